@@ -1,0 +1,27 @@
+# relief_module(NAME [DEPENDS module...]): the static library relief_NAME, alias relief::NAME, of src/NAME/*.cpp.
+# DEPENDS names modules of lower floors only; tools/check_includes verifies that includes follow.
+
+add_library(relief_options INTERFACE)
+target_compile_features(relief_options INTERFACE cxx_std_20)
+# A decoder repeats the encoder's arithmetic to the bit: the compiler must not fuse multiplications and additions.
+target_compile_options(relief_options INTERFACE -ffp-contract=off)
+
+add_library(relief_warnings INTERFACE)
+target_compile_options(relief_warnings INTERFACE -Wall -Wextra -Wshadow -Wpedantic -Wnon-virtual-dtor)
+if(RELIEF_WERROR)
+    target_compile_options(relief_warnings INTERFACE -Werror)
+endif()
+
+function(relief_module name)
+    cmake_parse_arguments(ARG "" "" "DEPENDS" ${ARGN})
+    file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${name}/*.cpp)
+    add_library(relief_${name} STATIC ${sources})
+    add_library(relief::${name} ALIAS relief_${name})
+    target_include_directories(relief_${name}
+        PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
+        PRIVATE ${PROJECT_SOURCE_DIR}/src)
+    target_link_libraries(relief_${name} PUBLIC relief_options PRIVATE relief_warnings)
+    foreach(module IN LISTS ARG_DEPENDS)
+        target_link_libraries(relief_${name} PUBLIC relief_${module})
+    endforeach()
+endfunction()

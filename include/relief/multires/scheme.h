@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "relief/multires/pyramid.h"
+
+/// The one door to all raster schemes: what codec, editing and faces call.
+namespace relief::multires {
+
+/// "barycentric", "box". Errors: InvalidArgument listing the known names.
+[[nodiscard]] Result<SchemeId> scheme_from_name(std::string_view name);
+[[nodiscard]] std::string_view scheme_name(SchemeId id);
+[[nodiscard]] std::string_view family_name(Family family);
+[[nodiscard]] Result<Family> family_from_name(std::string_view name);
+[[nodiscard]] std::string_view data_map_name(DataMap map);
+[[nodiscard]] Result<DataMap> data_map_from_name(std::string_view name);
+
+/// The bands of a rows x cols raster with 1 .. 4 components, with their norms.
+/// Errors: InvalidArgument for an order, family, dual order or level count the scheme does not have; BadInput for
+/// an empty raster or one of more than 2^31 - 1 samples a side. Complexity: O(levels) after the first call of a spec.
+[[nodiscard]] Result<PyramidLayout> layout(const SchemeSpec& spec, std::int64_t rows, std::int64_t cols,
+                                           int components);
+
+/// Samples to pyramid. planes: 1 .. 4 grids of one size, finite values. Complexity: O(samples).
+template <class T>
+[[nodiscard]] Result<Pyramid<T>> analyse(const std::vector<GridView<const T>>& planes, const SchemeSpec& spec);
+
+/// The scaling coefficients of `level` (0: finest .. levels: the coarsest band itself), finer details unused.
+template <class T>
+[[nodiscard]] LevelCoefficients<T> coefficients(const Pyramid<T>& pyramid, int level = 0);
+
+/// The surface of `level` sampled at every 2^level-th raster sample of each axis: ceil(rows / 2^level) rows.
+/// Level 0 gives the raster back.
+template <class T>
+[[nodiscard]] Planes<T> synthesise(const Pyramid<T>& pyramid, int level = 0);
+
+/// The transpose of coefficients(pyramid, 0) followed by the data map: from sample residuals to a gradient with respect
+/// to every coefficient, for least squares. planes: one per component.
+template <class T>
+[[nodiscard]] Pyramid<T> adjoint(const PyramidLayout& layout, const std::vector<GridView<const T>>& planes);
+
+}  // namespace relief::multires
