@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "relief/multires/filters.h"
+#include "relief/multires/pyramid.h"
+
+/// Scheme `barycentric`: multiresolution of box-spline coefficients on the triangular lattice with one scaling function
+/// and seven wavelets, the projections of tensor-product wavelets along (1,1,1). Each level runs three directional
+/// passes along e1, e2, e3, fused over tiles, exactly equal to convolution with the hexagonal kernels.
+/// Borders: extend and retain. See docs/barycentric.md and the specification's sections 3 to 5.
+namespace relief::multires::barycentric {
+
+/// Bands "aaa" of the coarsest level, then "aab" .. "bbb" of each level, coarsest first. Norms are left at 1.
+/// levels -1: as long as the number of scaling coefficients falls.
+[[nodiscard]] Result<PyramidLayout> layout(const SchemeSpec& spec, std::int64_t rows, std::int64_t cols,
+                                           int components);
+
+/// The boxes of the 8 channels of the level below a fine box: each keeps exactly the coefficients whose synthesis kernel
+/// can reach the fine box.
+[[nodiscard]] std::array<LatticeBox, 8> channel_boxes(const FilterBank& bank, const LatticeBox& fine);
+
+/// Finest scaling coefficients to all bands of `component` of `out` (allocated). Complexity: O(samples); scratch
+/// memory: the scaling coefficients of the next level, and for exact semi-orthogonal analysis a padded copy.
+template <class T>
+void analyse(GridView<const T> finest, int component, Pyramid<T>& out);
+
+/// The scaling coefficients of `level` on the box of that level (level 0: the raster's).
+template <class T>
+[[nodiscard]] Grid<T> coefficients(const Pyramid<T>& pyramid, int component, int level);
+
+/// The box of the scaling coefficients of `level`.
+[[nodiscard]] LatticeBox level_box(const PyramidLayout& layout, int level);
+
+/// Transpose of coefficients(., component, 0) as a linear map of all bands.
+template <class T>
+void adjoint(GridView<const T> residual, int component, Pyramid<T>& out);
+
+}  // namespace relief::multires::barycentric

@@ -1,0 +1,202 @@
+#include "relief/multires/barycentric.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+
+#include "multires/barycentric_tiles.h"
+
+namespace relief::multires::barycentric {
+
+namespace {
+
+constexpr int kMostLevels = 24;
+
+/// First and number of coarse x with [2x + k0, 2x + k1] meeting [lo, hi].
+std::pair<std::int64_t, std::int64_t> reaching(std::int64_t lo, std::int64_t hi, std::int64_t k0, std::int64_t k1) {
+    const std::int64_t first = (lo - k1 + 1) >> 1;
+    const std::int64_t last = (hi - k0) >> 1;
+    return {first, last - first + 1};
+}
+
+/// The spec of a layout is valid, so its bank exists.
+FilterBank bank_of(const PyramidLayout& layout) {
+    const SchemeSpec& spec = layout.spec;
+    return *filter_bank(spec.order, spec.family, spec.dual_order);
+}
+
+std::size_t band_index(const PyramidLayout& layout, int level, int channel) {
+    return static_cast<std::size_t>((layout.levels() - level) * 7 + channel);
+}
+
+/// Boxes of the scaling coefficients of levels 0 .. levels.
+std::vector<LatticeBox> scaling_boxes(const FilterBank& bank, std::int64_t rows, std::int64_t cols, int levels) {
+    std::vector<LatticeBox> boxes = {{0, 0, rows, cols}};
+    for (int l = 1; l <= levels; ++l) boxes.push_back(channel_boxes(bank, boxes.back())[0]);
+    return boxes;
+}
+
+template <class T>
+void analyse_by(const Sequence& low, const Sequence& high, double scale, const RowSource<T>& rows,
+                const PyramidLayout& layout, int level, int component, Pyramid<T>& out,
+                const Channel<T>& scaling) {
+    std::array<Channel<T>, 8> channels;
+    channels[0] = scaling;
+    for (int c = 1; c < 8; ++c) {
+        const std::size_t k = band_index(layout, level, c);
+        channels[static_cast<std::size_t>(c)] = {layout.bands[k].box,
+                                                 out.bands[k][static_cast<std::size_t>(component)].view()};
+    }
+    analyse_level(low, high, scale, rows, channels);
+}
+
+/// The extension of `fine` by everything that the exact semi-orthogonal filters see, divided by D(z^2).
+template <class T>
+Grid<T> divided(const FilterBank& bank, GridView<const T> fine, const LatticeBox& box, LatticeBox& padded) {
+    const int reach = std::max({bank.a.last(), bank.b.last(), -bank.a.first, -bank.b.first, bank.q.last()});
+    const std::int64_t margin = 2 * bank.margin + 4 * reach;
+    padded = {box.row0 - margin, box.col0 - margin, box.rows + 2 * margin, box.cols + 2 * margin};
+    Grid<T> grid(padded.rows, padded.cols);
+    const ExtendedRows<T> extension(fine, box);
+    for (std::int64_t r = 0; r < padded.rows; ++r)
+        extension.fill(padded.row0 + r, padded.col0, padded.cols, grid.row(r));
+    divide_by_symbol(bank.poles, bank.gain, grid.view());
+    return grid;
+}
+
+}  // namespace
+
+std::array<LatticeBox, 8> channel_boxes(const FilterBank& bank, const LatticeBox& fine) {
+    std::array<LatticeBox, 8> boxes;
+    for (int c = 0; c < 8; ++c) {
+        const LatticeBox kernel = synthesis_kernel(bank, c).box;
+        const auto rows = reaching(fine.row0, fine.row0 + fine.rows - 1, kernel.row0, kernel.row0 + kernel.rows - 1);
+        const auto cols = reaching(fine.col0, fine.col0 + fine.cols - 1, kernel.col0, kernel.col0 + kernel.cols - 1);
+        boxes[static_cast<std::size_t>(c)] = {rows.first, cols.first, rows.second, cols.second};
+    }
+    return boxes;
+}
+
+Result<PyramidLayout> layout(const SchemeSpec& spec, std::int64_t rows, std::int64_t cols, int components) {
+    RELIEF_TRY(const FilterBank bank, filter_bank(spec.order, spec.family, spec.dual_order));
+    if (spec.levels > kMostLevels)
+        return Error{ErrorCode::InvalidArgument,
+                     std::to_string(spec.levels) + " levels are too many; the most is " + std::to_string(kMostLevels), ""};
+    PyramidLayout result;
+    result.spec = spec;
+    result.spec.dual_order = spec.family != Family::Compact ? 0 : spec.dual_order == 0 ? spec.order : spec.dual_order;
+    result.rows = rows;
+    result.cols = cols;
+    result.components = components;
+
+    std::vector<std::array<LatticeBox, 8>> levels;
+    LatticeBox fine{0, 0, rows, cols};
+    while (static_cast<int>(levels.size()) < (spec.levels < 0 ? kMostLevels : spec.levels)) {
+        const auto boxes = channel_boxes(bank, fine);
+        if (spec.levels < 0 && boxes[0].count() >= fine.count()) break;
+        levels.push_back(boxes);
+        fine = boxes[0];
+    }
+    const int count = static_cast<int>(levels.size());
+    result.spec.levels = count;
+    result.bands.push_back({channel_name(0), count, 0, fine});
+    for (int l = count; l >= 1; --l)
+        for (int c = 1; c < 8; ++c)
+            result.bands.push_back(
+                {channel_name(c), l, c, levels[static_cast<std::size_t>(l - 1)][static_cast<std::size_t>(c)]});
+    return result;
+}
+
+LatticeBox level_box(const PyramidLayout& layout, int level) {
+    return scaling_boxes(bank_of(layout), layout.rows, layout.cols, level).back();
+}
+
+template <class T>
+void analyse(GridView<const T> finest, int component, Pyramid<T>& out) {
+    const PyramidLayout& layout = out.layout;
+    const FilterBank bank = bank_of(layout);
+    const int levels = layout.levels();
+    const auto boxes = scaling_boxes(bank, layout.rows, layout.cols, levels);
+    Grid<T>& coarsest = out.bands[0][static_cast<std::size_t>(component)];
+    if (levels == 0) {
+        for (std::int64_t r = 0; r < finest.rows; ++r) std::copy_n(finest.row(r), finest.cols, coarsest.row(r));
+        return;
+    }
+    Grid<T> held;
+    GridView<const T> fine = finest;
+    for (int l = 1; l <= levels; ++l) {
+        const LatticeBox& box = boxes[static_cast<std::size_t>(l - 1)];
+        const LatticeBox& next_box = boxes[static_cast<std::size_t>(l)];
+        Grid<T> next = l < levels ? Grid<T>(next_box.rows, next_box.cols) : Grid<T>();
+        const Channel<T> scaling{next_box, l < levels ? next.view() : coarsest.view()};
+        if (bank.poles.empty()) {
+            analyse_by(bank.a, bank.b, 1, ExtendedRows<T>(fine, box), layout, l, component, out, scaling);
+        } else {
+            LatticeBox padded;
+            const Grid<T> divided_grid = divided(bank, fine, box, padded);
+            analyse_by(bank.a, bank.b, 1, ZeroRows<T>(divided_grid.view(), padded), layout, l, component, out,
+                       scaling);
+        }
+        held = std::move(next);
+        fine = std::as_const(held).view();
+    }
+}
+
+template <class T>
+Grid<T> coefficients(const Pyramid<T>& pyramid, int component, int level) {
+    const PyramidLayout& layout = pyramid.layout;
+    const FilterBank bank = bank_of(layout);
+    const auto boxes = scaling_boxes(bank, layout.rows, layout.cols, layout.levels());
+    const auto plane = static_cast<std::size_t>(component);
+    if (level >= layout.levels()) return pyramid.bands[0][plane].clone();
+    Grid<T> coarse;
+    for (int l = layout.levels(); l > level; --l) {
+        const bool coarsest = l == layout.levels();
+        std::array<Channel<const T>, 8> channels;
+        channels[0] = {boxes[static_cast<std::size_t>(l)],
+                       coarsest ? pyramid.bands[0][plane].view() : std::as_const(coarse).view()};
+        for (int c = 1; c < 8; ++c) {
+            const std::size_t k = band_index(layout, l, c);
+            channels[static_cast<std::size_t>(c)] = {layout.bands[k].box, pyramid.bands[k][plane].view()};
+        }
+        const LatticeBox& box = boxes[static_cast<std::size_t>(l - 1)];
+        Grid<T> fine(box.rows, box.cols);
+        synthesise_level(bank.p, bank.q, 0.5, channels, box, fine.view());
+        coarse = std::move(fine);
+    }
+    return coarse;
+}
+
+template <class T>
+void adjoint(GridView<const T> residual, int component, Pyramid<T>& out) {
+    const PyramidLayout& layout = out.layout;
+    const FilterBank bank = bank_of(layout);
+    const int levels = layout.levels();
+    const auto boxes = scaling_boxes(bank, layout.rows, layout.cols, levels);
+    Grid<T>& coarsest = out.bands[0][static_cast<std::size_t>(component)];
+    if (levels == 0) {
+        for (std::int64_t r = 0; r < residual.rows; ++r) std::copy_n(residual.row(r), residual.cols, coarsest.row(r));
+        return;
+    }
+    Grid<T> held;
+    GridView<const T> fine = residual;
+    for (int l = 1; l <= levels; ++l) {
+        const LatticeBox& next_box = boxes[static_cast<std::size_t>(l)];
+        Grid<T> next = l < levels ? Grid<T>(next_box.rows, next_box.cols) : Grid<T>();
+        const Channel<T> scaling{next_box, l < levels ? next.view() : coarsest.view()};
+        analyse_by(bank.p, bank.q, 0.5, ZeroRows<T>(fine, boxes[static_cast<std::size_t>(l - 1)]), layout, l, component,
+                   out, scaling);
+        held = std::move(next);
+        fine = std::as_const(held).view();
+    }
+}
+
+#define RELIEF_INSTANTIATE(T)                                          \
+    template void analyse(GridView<const T>, int, Pyramid<T>&);        \
+    template Grid<T> coefficients(const Pyramid<T>&, int, int);        \
+    template void adjoint(GridView<const T>, int, Pyramid<T>&);
+RELIEF_INSTANTIATE(float)
+RELIEF_INSTANTIATE(double)
+#undef RELIEF_INSTANTIATE
+
+}  // namespace relief::multires::barycentric
