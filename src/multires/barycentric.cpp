@@ -37,6 +37,11 @@ std::vector<LatticeBox> scaling_boxes(const FilterBank& bank, std::int64_t rows,
 }
 
 template <class T>
+void copy(GridView<const T> from, Grid<T>& to) {
+    for (std::int64_t r = 0; r < from.rows; ++r) std::copy_n(from.row(r), from.cols, to.row(r));
+}
+
+template <class T>
 void analyse_by(const Sequence& low, const Sequence& high, double scale, const RowSource<T>& rows,
                 const PyramidLayout& layout, int level, int component, Pyramid<T>& out,
                 const Channel<T>& scaling) {
@@ -112,19 +117,16 @@ LatticeBox level_box(const PyramidLayout& layout, int level) {
 }
 
 template <class T>
-void analyse(GridView<const T> finest, int component, Pyramid<T>& out) {
+void analyse(GridView<const T> scaling_coefficients, int component, Pyramid<T>& out, int first_level) {
     const PyramidLayout& layout = out.layout;
     const FilterBank bank = bank_of(layout);
     const int levels = layout.levels();
     const auto boxes = scaling_boxes(bank, layout.rows, layout.cols, levels);
     Grid<T>& coarsest = out.bands[0][static_cast<std::size_t>(component)];
-    if (levels == 0) {
-        for (std::int64_t r = 0; r < finest.rows; ++r) std::copy_n(finest.row(r), finest.cols, coarsest.row(r));
-        return;
-    }
+    if (levels == first_level) return copy(scaling_coefficients, coarsest);
     Grid<T> held;
-    GridView<const T> fine = finest;
-    for (int l = 1; l <= levels; ++l) {
+    GridView<const T> fine = scaling_coefficients;
+    for (int l = first_level + 1; l <= levels; ++l) {
         const LatticeBox& box = boxes[static_cast<std::size_t>(l - 1)];
         const LatticeBox& next_box = boxes[static_cast<std::size_t>(l)];
         Grid<T> next = l < levels ? Grid<T>(next_box.rows, next_box.cols) : Grid<T>();
@@ -174,10 +176,7 @@ void adjoint(GridView<const T> residual, int component, Pyramid<T>& out) {
     const int levels = layout.levels();
     const auto boxes = scaling_boxes(bank, layout.rows, layout.cols, levels);
     Grid<T>& coarsest = out.bands[0][static_cast<std::size_t>(component)];
-    if (levels == 0) {
-        for (std::int64_t r = 0; r < residual.rows; ++r) std::copy_n(residual.row(r), residual.cols, coarsest.row(r));
-        return;
-    }
+    if (levels == 0) return copy(residual, coarsest);
     Grid<T> held;
     GridView<const T> fine = residual;
     for (int l = 1; l <= levels; ++l) {
@@ -192,7 +191,7 @@ void adjoint(GridView<const T> residual, int component, Pyramid<T>& out) {
 }
 
 #define RELIEF_INSTANTIATE(T)                                          \
-    template void analyse(GridView<const T>, int, Pyramid<T>&);        \
+    template void analyse(GridView<const T>, int, Pyramid<T>&, int);   \
     template Grid<T> coefficients(const Pyramid<T>&, int, int);        \
     template void adjoint(GridView<const T>, int, Pyramid<T>&);
 RELIEF_INSTANTIATE(float)

@@ -21,10 +21,11 @@ namespace relief::multires::barycentric {
 /// can reach the fine box.
 [[nodiscard]] std::array<LatticeBox, 8> channel_boxes(const FilterBank& bank, const LatticeBox& fine);
 
-/// Finest scaling coefficients to all bands of `component` of `out` (allocated). Complexity: O(samples); scratch
-/// memory: the scaling coefficients of the next level, and for exact semi-orthogonal analysis a padded copy.
+/// Scaling coefficients of `first_level` (0: the finest) to the bands of `component` above that level, in `out`
+/// (allocated). Complexity: O(coefficients); scratch memory: the scaling coefficients of the next level, and for exact
+/// semi-orthogonal analysis a padded copy.
 template <class T>
-void analyse(GridView<const T> finest, int component, Pyramid<T>& out);
+void analyse(GridView<const T> scaling, int component, Pyramid<T>& out, int first_level = 0);
 
 /// The scaling coefficients of `level` on the box of that level (level 0: the raster's).
 template <class T>

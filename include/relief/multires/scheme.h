@@ -32,6 +32,18 @@ template <class T>
 template <class T>
 [[nodiscard]] LevelCoefficients<T> coefficients(const Pyramid<T>& pyramid, int level = 0);
 
+/// The box of the scaling coefficients of `level`, as `coefficients` returns it.
+[[nodiscard]] LatticeBox scaling_box(const PyramidLayout& layout, int level);
+
+/// The scaling coefficients of `to` that those of level `from` >= `to` alone describe: subdivision without details.
+template <class T>
+[[nodiscard]] LevelCoefficients<T> subdivide(const PyramidLayout& layout, LevelCoefficients<T> coarse, int from, int to);
+
+/// From the scaling coefficients of `level` to the raster of that level: synthesise(p, l) is
+/// samples_of(p.layout, coefficients(p, l), l).
+template <class T>
+[[nodiscard]] Planes<T> samples_of(const PyramidLayout& layout, const LevelCoefficients<T>& level_coefficients, int level);
+
 /// The surface of `level` sampled at every 2^level-th raster sample of each axis: ceil(rows / 2^level) rows.
 /// Level 0 gives the raster back.
 template <class T>

@@ -1,0 +1,230 @@
+#include "codec/raster_header.h"
+
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace relief::codec {
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::array<std::string_view, 5> kGoals = {"keep", "rms-error", "max-error", "bytes", "lossless"};
+
+/// JSON has no NaN or infinity.
+Json number(double value) {
+    if (std::isnan(value)) return "nan";
+    if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+    return value;
+}
+
+Error bad(const std::string& what) {
+    return Error{ErrorCode::BadFile, what + "; the file is damaged or not a relief raster", "header"};
+}
+
+/// Reads members of one JSON object; the first that is wrong is remembered.
+class Reader {
+  public:
+    explicit Reader(const Json& object) : object_(object) {}
+
+    template <class T>
+    T get(const char* name, T fallback, bool required = false) {
+        const auto found = object_.find(name);
+        if (found == object_.end()) {
+            if (required) fail(std::string("member '") + name + "' is missing");
+            return fallback;
+        }
+        if constexpr (std::is_same_v<T, std::string>) {
+            if (found->is_string()) return found->template get<std::string>();
+        } else if constexpr (std::is_same_v<T, bool>) {
+            if (found->is_boolean()) return found->template get<bool>();
+        } else if constexpr (std::is_integral_v<T>) {
+            if (found->is_number_integer()) return found->template get<T>();
+        } else {
+            if (found->is_number()) return found->template get<T>();
+            if (*found == "nan") return NAN;
+            if (*found == "inf") return INFINITY;
+            if (*found == "-inf") return -INFINITY;
+        }
+        fail(std::string("member '") + name + "' has the wrong type");
+        return fallback;
+    }
+
+    [[nodiscard]] Json object(const char* name) {
+        const auto found = object_.find(name);
+        if (found == object_.end()) return Json::object();
+        if (!found->is_object()) fail(std::string("member '") + name + "' is not an object");
+        return found->is_object() ? *found : Json::object();
+    }
+
+    [[nodiscard]] Json array(const char* name) {
+        const auto found = object_.find(name);
+        if (found == object_.end()) return Json::array();
+        if (!found->is_array()) fail(std::string("member '") + name + "' is not a list");
+        return found->is_array() ? *found : Json::array();
+    }
+
+    void fail(std::string what) {
+        if (problem_.empty()) problem_ = std::move(what);
+    }
+    [[nodiscard]] Status status() const {
+        if (problem_.empty()) return {};
+        return bad(problem_);
+    }
+
+  private:
+    const Json& object_;
+    std::string problem_;
+};
+
+Json georeference_json(const GeoReference& geo) {
+    Json json = Json::object();
+    if (geo.transform) json["transform"] = *geo.transform;
+    if (!geo.crs_wkt.empty()) json["crs"] = geo.crs_wkt;
+    if (geo.pixel_is_point) json["point"] = true;
+    return json;
+}
+
+Status read_georeference(const Json& json, GeoReference& geo) {
+    Reader reader(json);
+    geo.crs_wkt = reader.get<std::string>("crs", "");
+    geo.pixel_is_point = reader.get("point", false);
+    const Json transform = reader.array("transform");
+    if (!transform.empty()) {
+        std::array<double, 6> values{};
+        if (transform.size() != 6) return bad("the geotransform has not 6 numbers");
+        for (std::size_t k = 0; k < 6; ++k) {
+            if (!transform[k].is_number()) return bad("the geotransform has not 6 numbers");
+            values[k] = transform[k].get<double>();
+        }
+        geo.transform = values;
+    }
+    return reader.status();
+}
+
+Json scheme_json(const multires::SchemeSpec& spec) {
+    Json json{{"name", multires::scheme_name(spec.id)}, {"order", spec.order}, {"levels", spec.levels}};
+    if (spec.id == multires::SchemeId::Barycentric) {
+        json["family"] = multires::family_name(spec.family);
+        if (spec.dual_order != 0) json["dual"] = spec.dual_order;
+    }
+    if (spec.order > 1) json["map"] = multires::data_map_name(spec.data_map);
+    return json;
+}
+
+Status read_scheme(const Json& json, multires::SchemeSpec& spec) {
+    Reader reader(json);
+    const auto name = reader.get<std::string>("name", "", true);
+    spec.order = reader.get("order", 2, true);
+    spec.levels = reader.get("levels", 0, true);
+    spec.dual_order = reader.get("dual", 0);
+    const auto family = reader.get<std::string>("family", "compact");
+    const auto map = reader.get<std::string>("map", "interpolate");
+    RELIEF_CHECK(reader.status());
+    const auto newer = [](const Error& error) {
+        return Error{ErrorCode::Unsupported, error.message + "; a newer version of relief may read it", "header"};
+    };
+    const auto scheme = multires::scheme_from_name(name);
+    if (!scheme.ok()) return newer(scheme.error());
+    const auto family_id = multires::family_from_name(family);
+    if (!family_id.ok()) return newer(family_id.error());
+    const auto map_id = multires::data_map_from_name(map);
+    if (!map_id.ok()) return newer(map_id.error());
+    if (spec.levels < 0) return bad("the number of levels is negative");
+    spec.id = *scheme;
+    spec.family = *family_id;
+    spec.data_map = *map_id;
+    return {};
+}
+
+Status read_names(const Json& json, Raster& description) {
+    Reader reader(json);
+    for (const Json& name : reader.array("bands")) {
+        if (!name.is_string()) return bad("a band name is not a text");
+        description.band_names.push_back(name.get<std::string>());
+    }
+    for (const Json& item : reader.array("metadata")) {
+        if (!item.is_array() || item.size() != 2 || !item[0].is_string() || !item[1].is_string())
+            return bad("a metadata item is not a pair of texts");
+        description.metadata.emplace_back(item[0].get<std::string>(), item[1].get<std::string>());
+    }
+    return reader.status();
+}
+
+Status read_description(const Json& json, RasterHeader& header) {
+    Reader reader(json);
+    Raster& raster = header.description;
+    raster.rows = reader.get<std::int64_t>("rows", 0, true);
+    raster.cols = reader.get<std::int64_t>("cols", 0, true);
+    header.components = reader.get("components", 1);
+    header.has_mask = reader.get("mask", false);
+    const auto type = sample_type_from_name(reader.get<std::string>("type", "", true));
+    raster.unit = reader.get<std::string>("unit", "");
+    raster.scale = reader.get("scale", 1.0);
+    raster.offset = reader.get("offset", 0.0);
+    if (json.contains("nodata")) raster.nodata = reader.get("nodata", 0.0);
+    RELIEF_CHECK(reader.status());
+    if (!type.ok()) return bad(type.error().message);
+    if (raster.rows < 1 || raster.cols < 1 || raster.rows > INT32_MAX || raster.cols > INT32_MAX)
+        return bad("the raster size is out of range");
+    if (header.components < 1 || header.components > 4) return bad("the number of components is not 1 to 4");
+    raster.type = *type;
+    RELIEF_CHECK(read_georeference(reader.object("georeference"), raster.geo));
+    return read_names(json, raster);
+}
+
+}  // namespace
+
+std::string_view goal_name(Goal::Kind kind) { return kGoals[static_cast<std::size_t>(kind)]; }
+
+std::string write_header(const RasterHeader& header) {
+    const Raster& raster = header.description;
+    Json json{{"content", "raster"},
+              {"rows", raster.rows},
+              {"cols", raster.cols},
+              {"type", sample_type_name(raster.type)},
+              {"scheme", scheme_json(header.spec)},
+              {"goal", Json{{"kind", goal_name(header.goal.kind)}, {"value", number(header.goal.value)}}},
+              {"error", Json{{"max", number(header.max_error)}, {"rms", number(header.rms_error)}}}};
+    if (header.components != 1) json["components"] = header.components;
+    if (header.has_mask) json["mask"] = true;
+    if (raster.nodata) json["nodata"] = number(*raster.nodata);
+    if (Json geo = georeference_json(raster.geo); !geo.empty()) json["georeference"] = std::move(geo);
+    if (!raster.unit.empty()) json["unit"] = raster.unit;
+    if (raster.scale != 1) json["scale"] = number(raster.scale);
+    if (raster.offset != 0) json["offset"] = number(raster.offset);
+    if (!raster.band_names.empty()) json["bands"] = raster.band_names;
+    if (!raster.metadata.empty()) json["metadata"] = raster.metadata;
+    // Names may come from files in any encoding: bytes that are not UTF-8 are replaced, not thrown at.
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Result<RasterHeader> read_header(const std::string& text) {
+    const Json json = Json::parse(text, nullptr, false);
+    if (!json.is_object()) return bad("the header is not a JSON object");
+    RasterHeader header;
+    Reader reader(json);
+    const auto content = reader.get<std::string>("content", "", true);
+    const Json scheme = reader.object("scheme");
+    const Json goal_json = reader.object("goal");
+    const Json error_json = reader.object("error");
+    RELIEF_CHECK(reader.status());
+    if (content != "raster")
+        return Error{ErrorCode::Unsupported, "holds '" + content + "', this version reads rasters only", "header"};
+    RELIEF_CHECK(read_description(json, header));
+    RELIEF_CHECK(read_scheme(scheme, header.spec));
+    Reader goal(goal_json);
+    const auto kind = goal.get<std::string>("kind", "rms-error");
+    header.goal.value = goal.get("value", 0.0);
+    for (std::size_t k = 0; k < kGoals.size(); ++k)
+        if (kGoals[k] == kind) header.goal.kind = static_cast<Goal::Kind>(k);
+    Reader error(error_json);
+    header.max_error = error.get("max", 0.0);
+    header.rms_error = error.get("rms", 0.0);
+    RELIEF_CHECK(goal.status());
+    RELIEF_CHECK(error.status());
+    return header;
+}
+
+}  // namespace relief::codec
