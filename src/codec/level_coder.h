@@ -11,7 +11,7 @@
 namespace relief::codec {
 
 /// Blocks of kBlock x kBlock coefficients that are all zero cost one flag.
-inline constexpr std::int64_t kBlock = 8;
+inline constexpr std::int64_t kBlock = 32;
 
 /// Quantises v logarithmically: 0 1 2 .. 7, then four steps an octave, at most `last`.
 inline std::uint32_t log_class(std::uint32_t v, std::uint32_t last) {
@@ -51,6 +51,20 @@ struct LevelModel {
     std::array<Refinement, kBands> sign_refinement;
 
     std::array<Slot, kBuckets + 1> extra;
+
+    static std::uint32_t floor_of(std::uint32_t c) { return c < 4 ? c : (4 + c % 4) << (c / 4 - 1); }
+    static Slot guess(std::uint64_t v, std::uint16_t visits) {
+        const std::uint64_t p = ((v * 4 + 4) << 32) / (v * 4 + 4 + 300);
+        Slot s; s.slow = static_cast<std::uint32_t>(std::min<std::uint64_t>(p, 0xffffffff)); s.fast = s.slow >> 16; s.visits = visits;
+        return s;
+    }
+    LevelModel() {
+        for (std::uint32_t c = 0; c < kExpected; ++c) {
+            const Slot s = guess(floor_of(c), 4);
+            for (std::uint32_t b = 0; b < kBands; ++b) zero_a[b * kExpected + c] = s;
+            for (std::uint32_t b = 0; b < 2 * kBuckets; ++b) bucket_a[b * kExpected + c] = s;
+        }
+    }
 };
 
 
@@ -178,7 +192,7 @@ class LevelCoder {
         const std::int8_t* sign_n = plane().signs(row - 1);
         const std::int8_t* sign_sibling = sibling_signs(row);
         for (std::int64_t c = 0; c < cols; ++c)
-            near_[static_cast<std::size_t>(c)] = kN * n[c] + kNW * n[c - 1] + kNE * n[c + 1] + kNN * nn[c];
+            near_[static_cast<std::size_t>(c)] = kN * n[c] + kNW * n[c - 1] + kNE * n[c + 1] + kNN * nn[c] + kFar * (nn[c - 1] + nn[c + 1] + n[c - 2] + n[c + 2]);
         const std::uint32_t* outer = outer_.row(strip_row);
         for (std::int64_t b = 0; b * kBlock < cols; ++b) {
             const std::int64_t c1 = std::min(cols, (b + 1) * kBlock);
@@ -192,7 +206,7 @@ class LevelCoder {
                 s.expected = log_class(spatial + outer[c], LevelModel::kExpected - 1);
                 s.mixture = (log_class(spatial, 4 * LevelModel::kSpatial - 1) / 4) * LevelModel::kOuter +
                             log_class(outer[c], 4 * LevelModel::kOuter - 1) / 4;
-                s.pattern = pattern(at[c - 1], n[c], n[c - 1], n[c + 1]) * 4 + (at[c - 2] != 0) * 2U + (nn[c] != 0);
+                s.pattern = pattern(at[c - 1], n[c], n[c - 1], n[c + 1]) * 4 + std::min(3u,log_class(outer[c],63)/4);
                 s.coarse = small(at[c - 1]) * 6 + small(n[c]);
                 s.signs_near = static_cast<std::uint32_t>(sign[c - 1] + 1 + 3 * (sign_n[c] + 1));
                 s.signs_across = sign_sibling ? static_cast<std::uint32_t>(sign_sibling[c] + 1) : 1U;
@@ -223,7 +237,7 @@ class LevelCoder {
                            {&m.zero_a[band_ * LevelModel::kExpected + s.expected],
                             &m.zero_b[kind * LevelModel::kSpatial * LevelModel::kOuter + s.mixture],
                             &m.zero_c[kind * LevelModel::kPatterns + s.pattern]},
-                           m.zero_mix[s.expected], m.zero_refinement[s.expected]))
+                           m.zero_mix[band_], m.zero_refinement[s.expected]))
             return 0;
         const bool negative = code_mixed<2>(coder_, q < 0,
                                             {&m.sign_a[s.signs_near + 9 * s.signs_across],
@@ -258,7 +272,7 @@ class LevelCoder {
             {&m.bucket_a[(kind * LevelModel::kBuckets + u) * LevelModel::kExpected + s.expected],
              &m.bucket_b[(kind * LevelModel::kNear + near) * LevelModel::kSpatial * LevelModel::kOuter + s.mixture],
              &m.bucket_c[(kind * LevelModel::kNear + near) * 36 + s.coarse]},
-            m.bucket_mix[u], m.bucket_refinement[u]);
+            m.bucket_mix[0], m.bucket_refinement[u]);
     }
 
     /// Excesses 0 1 2 3, then two buckets an octave: [4, 5] [6, 7] [8, 11] [12, 15] ..
@@ -268,8 +282,8 @@ class LevelCoder {
         return 2 * octave + (excess >> (octave - 1) & 1);
     }
 
-    static constexpr std::uint32_t kW = 10, kN = 10, kNW = 5, kNE = 5, kWW = 3, kNN = 3;
-    static constexpr std::uint32_t kParent = 4, kParentNear = 1;
+    static constexpr std::uint32_t kW = 10, kN = 10, kNW = 5, kNE = 5, kWW = 3, kNN = 3, kFar = 0;
+    static constexpr std::uint32_t kParent = 2, kParentNear = 1;
     static constexpr std::uint32_t kSibling = 2, kSiblingNear = 1;
 
     Coder& coder_;

@@ -20,7 +20,7 @@ extern const OddsTables kOdds;
 /// Probability that a decision in one context is 1, estimated at two speeds.
 struct Slot {
     static constexpr std::uint16_t kSlowLimit = 255;
-    static constexpr std::uint16_t kFastLimit = 24;
+    static constexpr std::uint16_t kFastLimit = 30;
 
     std::uint32_t slow = std::uint32_t{1} << 31;  ///< times 2^32
     std::uint16_t fast = std::uint16_t{1} << 15;  ///< times 2^16
@@ -45,6 +45,7 @@ struct MixWeights {
     static constexpr std::int32_t kStart = 65536 * 11 / (10 * kInputs);  ///< they sum to 1.1
 
     std::array<std::int32_t, kInputs> weights;
+    std::int32_t visits = 0;
     MixWeights() { weights.fill(kStart); }
 };
 
@@ -81,9 +82,11 @@ bool code_mixed(Coder& coder, bool bit, const std::array<Slot*, kSets>& slots, M
     bit = coder.code(bit, std::clamp<std::uint32_t>((predicted + refined) / 2, 16, 65520));
 
     const std::int32_t target = bit ? 65535 : 0;
+    const int shift = mix.visits < 128 ? 14 : mix.visits < 1024 ? 15 : mix.visits < 8192 ? 16 : 17;
+    ++mix.visits;
     const std::int32_t error = target - static_cast<std::int32_t>(predicted);
     for (std::size_t k = 0; k < 2 * kSets; ++k) {
-        const std::int32_t step = (odds[k] * error + (1 << 13)) >> 14;
+        const std::int32_t step = (odds[k] * error + (1 << (shift - 1))) >> shift;
         mix.weights[k] += step;
     }
     std::uint16_t& nearest = around[part >= Refinement::kStep / 2];
