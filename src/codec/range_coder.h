@@ -1,0 +1,139 @@
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+/// Binary range coder: an interval [low, low + range) of 64-bit fractions is cut in proportion to the probability
+/// of each decision. Probabilities have 16 bits; `one` is that of the decision being 1, times 65536, in 1 .. 65535.
+/// Integer arithmetic only, so every machine decodes the same. docs/format.md, "Range coder".
+///
+/// Encoder and decoder have the same members, so that one function template describes a format for both:
+/// code(bit, one) returns the bit that was coded, which for the decoder does not depend on its argument.
+namespace relief::codec {
+
+class RangeEncoder {
+  public:
+    static constexpr bool kDecodes = false;
+
+    bool code(bool bit, std::uint32_t one) {
+        const std::uint64_t cut = (range_ >> 16) * one;
+        if (bit) {
+            range_ = cut;
+        } else {
+            advance(cut);
+            range_ -= cut;
+        }
+        renormalise();
+        return bit;
+    }
+
+    /// The low `count` <= 32 bits of value, each with probability one half.
+    std::uint32_t code_raw(std::uint32_t value, int count) {
+        range_ >>= count;
+        advance(range_ * value);
+        renormalise();
+        return value;
+    }
+
+    /// Writes the shortest byte string that decodes, the decoder reading zeros behind it, and returns all bytes.
+    /// The encoder must not be used afterwards.
+    std::vector<std::uint8_t> finish() {
+        const std::uint64_t tail = std::bit_floor(range_) - 1;
+        advance(tail);
+        low_ &= ~tail;
+        for (; low_ != 0; low_ <<= 8) bytes_.push_back(static_cast<std::uint8_t>(low_ >> 56));
+        return std::move(bytes_);
+    }
+
+  private:
+    void advance(std::uint64_t step) {
+        low_ += step;
+        if (low_ < step) carry();
+    }
+
+    /// Adds one to the number whose digits are the bytes written. Never runs off the front: low + range never
+    /// exceeds the first interval.
+    void carry() {
+        std::size_t k = bytes_.size();
+        while (++bytes_[--k] == 0) {
+        }
+    }
+
+    void renormalise() {
+        if (range_ >> 32 != 0) return;
+        for (int shift = 56; shift >= 32; shift -= 8)
+            bytes_.push_back(static_cast<std::uint8_t>(low_ >> shift));
+        low_ <<= 32;
+        range_ <<= 32;
+    }
+
+    std::uint64_t low_ = 0;
+    std::uint64_t range_ = ~std::uint64_t{0};
+    std::vector<std::uint8_t> bytes_;
+};
+
+class RangeDecoder {
+  public:
+    static constexpr bool kDecodes = true;
+
+    explicit RangeDecoder(std::span<const std::uint8_t> bytes) : bytes_(bytes) {
+        offset_ = std::uint64_t{next_word()} << 32;
+        offset_ |= next_word();
+    }
+
+    bool code(bool, std::uint32_t one) {
+        const std::uint64_t cut = (range_ >> 16) * one;
+        const bool bit = offset_ < cut;
+        if (bit) {
+            range_ = cut;
+        } else {
+            offset_ -= cut;
+            range_ -= cut;
+        }
+        renormalise();
+        return bit;
+    }
+
+    std::uint32_t code_raw(std::uint32_t, int count) {
+        range_ >>= count;
+        std::uint64_t value = offset_ / range_;
+        const std::uint64_t largest = (std::uint64_t{1} << count) - 1;
+        if (value > largest) value = largest;  // an altered stream may point past the last interval
+        offset_ -= value * range_;
+        renormalise();
+        return static_cast<std::uint32_t>(value);
+    }
+
+    /// More bytes were needed than there are: the stream is cut off.
+    [[nodiscard]] bool ran_out() const { return consumed_ > bytes_.size() + 8; }
+
+    /// The stream ends where the decisions end: no byte was missing and none is left.
+    [[nodiscard]] bool at_end() const { return !ran_out() && consumed_ >= bytes_.size() + 4; }
+
+  private:
+    void renormalise() {
+        if (range_ >> 32 != 0) return;
+        offset_ = offset_ << 32 | next_word();
+        range_ <<= 32;
+    }
+
+    std::uint32_t next_word() {
+        std::uint32_t word = 0;
+        for (int k = 0; k < 4; ++k) {
+            word = word << 8 | (consumed_ < bytes_.size() ? bytes_[consumed_] : 0U);
+            ++consumed_;
+        }
+        return word;
+    }
+
+    std::span<const std::uint8_t> bytes_;
+    std::size_t consumed_ = 0;
+    std::uint64_t offset_ = 0;  ///< of the code value from the encoder's low
+    std::uint64_t range_ = ~std::uint64_t{0};
+};
+
+}  // namespace relief::codec
