@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+#include "relief/core/result.h"
+#include "relief/io/image.h"
+
+/// Pictures as PNG files.
+namespace relief::io {
+
+/// Writes 8-bit RGB or RGBA; the file appears only when complete.
+/// Errors: InvalidArgument (empty image, wrong channels or pixel count), CannotWrite.
+[[nodiscard]] Status write_png(const std::string& path, const Image& image);
+
+/// Reads any PNG as 8-bit RGB, or RGBA if it has transparency. Images of more than 2^28 pixels are
+/// refused. Errors: NotFound, BadFile.
+[[nodiscard]] Result<Image> read_png(const std::string& path);
+
+}  // namespace relief::io

@@ -1,0 +1,57 @@
+#include <ogr_srs_api.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "io/gdal_scope.h"
+
+namespace relief::io {
+
+namespace {
+
+struct Crs {
+    bool geographic = false;
+    double unit = 1;  ///< metres, or radians when geographic
+};
+
+Crs parse_crs(const std::string& wkt) {
+    const auto destroy = [](void* crs) { OSRDestroySpatialReference(crs); };
+    const std::unique_ptr<void, decltype(destroy)> crs(OSRNewSpatialReference(nullptr), destroy);
+    if (wkt.empty() || OSRSetFromUserInput(crs.get(), wkt.c_str()) != OGRERR_NONE) return {};
+    if (OSRIsGeographic(crs.get())) return {true, OSRGetAngularUnits(crs.get(), nullptr)};
+    return {false, OSRGetLinearUnits(crs.get(), nullptr)};
+}
+
+/// Metres a radian of longitude and of latitude at latitude `phi`: the radius of the parallel
+/// circle and the meridian radius of curvature of the WGS 84 ellipsoid.
+CellSize radii(double phi) {
+    constexpr double a = 6378137.0;
+    constexpr double f = 1 / 298.257223563;
+    constexpr double e2 = f * (2 - f);
+    const double w2 = 1 - e2 * std::sin(phi) * std::sin(phi);
+    return {a * std::cos(phi) / std::sqrt(w2), a * (1 - e2) / (w2 * std::sqrt(w2))};
+}
+
+}  // namespace
+
+CellSize cell_size_metres(const GeoReference& geo, std::int64_t rows) {
+    if (!geo.transform) return {};
+    const detail::GdalScope gdal;
+    const std::array<double, 6>& t = *geo.transform;
+    const Crs crs = parse_crs(geo.crs_wkt);
+    CellSize scale{crs.unit, crs.unit};
+    if (crs.geographic) {
+        const double middle = t[3] + t[5] * static_cast<double>(rows) / 2;
+        constexpr double limit =
+            89.0 * std::numbers::pi / 180;  // cells shrink to nothing at the poles
+        const CellSize radius = radii(std::clamp(middle * crs.unit, -limit, limit));
+        scale = {crs.unit * radius.x, crs.unit * radius.y};
+    }
+    const CellSize cell{std::hypot(t[1] * scale.x, t[4] * scale.y),
+                        std::hypot(t[2] * scale.x, t[5] * scale.y)};
+    return cell.x > 0 && cell.y > 0 ? cell : CellSize{};
+}
+
+}  // namespace relief::io

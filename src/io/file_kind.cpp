@@ -1,0 +1,56 @@
+#include "relief/io/file_kind.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+#include <string_view>
+
+#include "io/gdal_scope.h"
+#include "relief/io/file.h"
+
+namespace relief::io {
+
+namespace {
+
+std::string lower(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return text;
+}
+
+bool is_one_of(std::string_view text, std::initializer_list<std::string_view> list) {
+    return std::find(list.begin(), list.end(), text) != list.end();
+}
+
+FileKind by_content(std::string_view head) {
+    using namespace std::string_view_literals;
+    if (head.starts_with("\x8BRELIEF"sv)) return FileKind::Relief;
+    const std::string_view first_word = head.substr(0, head.find_first_of(" \t\r\n"sv));
+    if (first_word == "ply" || head.starts_with("glTF"sv)) return FileKind::Mesh;
+    if (is_one_of(first_word, {"OFF", "COFF", "NOFF", "STOFF", "CNOFF"})) return FileKind::Mesh;
+    // An ESRI grid is often called .txt.
+    if (is_one_of(lower(std::string(first_word)), {"ncols", "nrows"})) return FileKind::Raster;
+    return FileKind::Unknown;
+}
+
+bool is_gdal_raster(const std::string& path) {
+    const detail::GdalScope gdal;
+    return GDALIdentifyDriverEx(path.c_str(), GDAL_OF_RASTER, nullptr, nullptr) != nullptr;
+}
+
+}  // namespace
+
+FileKind recognise(const std::string& path) {
+    if (const auto head = read_file(path, 64)) {
+        const FileKind kind =
+            by_content({reinterpret_cast<const char*>(head->data()), head->size()});
+        if (kind != FileKind::Unknown) return kind;
+        const std::string extension = lower(std::filesystem::path(path).extension().string());
+        if (is_one_of(extension, {".obj", ".off", ".ply", ".stl", ".glb"})) return FileKind::Mesh;
+        if (is_one_of(extension, {".xyz", ".csv", ".txt"})) return FileKind::Points;
+    }
+    return is_gdal_raster(path) ? FileKind::Raster : FileKind::Unknown;
+}
+
+}  // namespace relief::io

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cpl_error.h>
+#include <gdal.h>
+
+#include <memory>
+#include <string>
+#include <type_traits>
+
+#include "relief/io/raster.h"
+
+/// What the raster reader and writer share: GDAL's life time, messages, handles and types.
+namespace relief::io::detail {
+
+/// Registers GDAL's drivers once. While it lives, GDAL's messages of this thread are kept here, not
+/// printed.
+class GdalScope {
+  public:
+    GdalScope();
+    GdalScope(const GdalScope&) = delete;
+    GdalScope& operator=(const GdalScope&) = delete;
+    ~GdalScope();
+
+    [[nodiscard]] bool failed() const { return failed_; }
+    /// " (GDAL: the last failure, or else the last warning)", or nothing.
+    [[nodiscard]] std::string because() const;
+
+  private:
+    static void CPL_STDCALL collect(CPLErr level, CPLErrorNum number, const char* message);
+
+    std::string message_;
+    bool failed_ = false;
+};
+
+struct CloseDataset {
+    void operator()(GDALDatasetH dataset) const { GDALClose(dataset); }
+};
+using Dataset = std::unique_ptr<std::remove_pointer_t<GDALDatasetH>, CloseDataset>;
+
+[[nodiscard]] GDALDataType gdal_type(SampleType type);
+
+/// Whether `path` names something that only GDAL's virtual file systems know.
+[[nodiscard]] bool is_virtual_path(const std::string& path);
+
+/// A GDALProgressFunc; `progress` points at a Progress, which may be empty.
+int CPL_STDCALL report_progress(double fraction, const char* message, void* progress);
+
+}  // namespace relief::io::detail

@@ -1,0 +1,103 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "relief/io/raster.h"
+
+namespace relief::io {
+
+namespace {
+
+constexpr std::array<std::string_view, 7> kNames = {"uint8", "uint16",  "int16",  "uint32",
+                                                    "int32", "float32", "float64"};
+
+template <class T>
+std::pair<double, double> range() {
+    return {static_cast<double>(std::numeric_limits<T>::lowest()),
+            static_cast<double>(std::numeric_limits<T>::max())};
+}
+
+/// GDAL's nodata mask takes floating-point values, of both widths, for nodata within twice this
+/// part of the sum.
+constexpr float kTolerance = std::numeric_limits<float>::epsilon();
+
+template <class T>
+bool reads_as(double value, double nodata) {
+    const T a = static_cast<T>(value);
+    const T b = static_cast<T>(nodata);
+    return a == b || std::abs(a - b) < kTolerance * std::abs(a + b) * 2;
+}
+
+/// The nearest value on the side of `value`, where the type reaches that far, that surely is not
+/// nodata.
+template <class T>
+double beside_nodata(double value, double nodata) {
+    if (nodata == 0)
+        return std::copysign(static_cast<double>(std::numeric_limits<T>::min()), value);
+    const double step = 8.0 * static_cast<double>(kTolerance) * std::abs(nodata);
+    const auto [low, high] = range<T>();
+    const bool upwards = nodata + step <= high && (value >= nodata || nodata - step < low);
+    return static_cast<double>(static_cast<T>(upwards ? nodata + step : nodata - step));
+}
+
+template <class T>
+double stored_float(double value, std::optional<double> nodata) {
+    const auto [low, high] = range<T>();
+    const auto rounded = static_cast<double>(static_cast<T>(std::clamp(value, low, high)));
+    if (!nodata || !reads_as<T>(rounded, *nodata)) return rounded;
+    return beside_nodata<T>(value, *nodata);
+}
+
+}  // namespace
+
+std::string_view sample_type_name(SampleType type) {
+    return kNames[static_cast<std::size_t>(type)];
+}
+
+Result<SampleType> sample_type_from_name(std::string_view name) {
+    const auto found = std::find(kNames.begin(), kNames.end(), name);
+    if (found != kNames.end()) return static_cast<SampleType>(found - kNames.begin());
+    return Error{
+        ErrorCode::InvalidArgument,
+        fmt::format("no sample type '{}'; choose one of {}", name, fmt::join(kNames, ", ")),
+        {}};
+}
+
+bool is_integer(SampleType type) {
+    return type < SampleType::Float32;
+}
+
+std::pair<double, double> sample_range(SampleType type) {
+    switch (type) {
+        case SampleType::UInt8:
+            return range<std::uint8_t>();
+        case SampleType::UInt16:
+            return range<std::uint16_t>();
+        case SampleType::Int16:
+            return range<std::int16_t>();
+        case SampleType::UInt32:
+            return range<std::uint32_t>();
+        case SampleType::Int32:
+            return range<std::int32_t>();
+        case SampleType::Float32:
+            return range<float>();
+        case SampleType::Float64:
+            break;
+    }
+    return range<double>();
+}
+
+double stored_value(double value, SampleType type, std::optional<double> nodata) {
+    if (type == SampleType::Float32) return stored_float<float>(value, nodata);
+    if (type == SampleType::Float64) return stored_float<double>(value, nodata);
+    const auto [low, high] = sample_range(type);
+    const double rounded = std::nearbyint(std::clamp(value, low, high));
+    if (!nodata || rounded != *nodata) return rounded;
+    const bool upwards = rounded < high && (value >= rounded || rounded == low);
+    return upwards ? rounded + 1 : rounded - 1;
+}
+
+}  // namespace relief::io
