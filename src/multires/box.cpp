@@ -69,14 +69,14 @@ std::size_t curve_kind(const PyramidLayout& layout) {
     return layout.rows == 1 ? 1 : 0;
 }
 
-/// Runs step(level, fine, coarse) from level 1 up; the coarsest result is the scaling band.
+/// Runs step(level, fine, coarse) from the level above `first` up; the coarsest result is the scaling band.
 template <class T, class Step>
-void fine_to_coarse(GridView<const T> finest, int component, Pyramid<T>& out, Step step) {
+void fine_to_coarse(GridView<const T> finest, int component, Pyramid<T>& out, int first, Step step) {
     const int levels = out.layout.levels();
     GridView<T> scaling = out.bands[0][std::size_t(component)].view();
-    if (levels == 0) return copy(finest, scaling);
+    if (levels == first) return copy(finest, scaling);
     Grid<T> held;
-    for (int level = 1; level < levels; ++level) {
+    for (int level = first + 1; level < levels; ++level) {
         const Lattice lattice = lattice_at(out.layout, level);
         Grid<T> coarse(lattice.rows, lattice.cols);
         step(level, finest, coarse.view());
@@ -189,21 +189,22 @@ Result<PyramidLayout> layout(const SchemeSpec& spec, std::int64_t rows, std::int
 }
 
 template <class T>
-void analyse(GridView<const T> finest, int component, Pyramid<T>& out) {
+void analyse(GridView<const T> finest, int component, Pyramid<T>& out, int first_level) {
     const PyramidLayout& layout = out.layout;
     const int order = layout.spec.order;
     if (is_curve(layout)) {
         const auto factors =
             curve_factors(order, std::max(layout.rows, layout.cols), layout.levels());
         return fine_to_coarse(
-            finest, component, out, [&](int level, GridView<const T> fine, GridView<T> coarse) {
+            finest, component, out, first_level,
+            [&](int level, GridView<const T> fine, GridView<T> coarse) {
                 const auto edges = edges_of(out, component, level)[curve_kind(layout)];
                 analyse_curve<T>(order, factors[std::size_t(level - 1)], line_of(layout, fine),
                                  line_of(layout, coarse), line_of(layout, edges));
             });
     }
     const auto factors = update_factors(order, layout.rows, layout.cols, layout.levels());
-    fine_to_coarse(finest, component, out,
+    fine_to_coarse(finest, component, out, first_level,
                    [&](int level, GridView<const T> fine, GridView<T> coarse) {
                        analyse_level<T>(order, factors[std::size_t(level - 1)], fine, coarse,
                                         edges_of(out, component, level));
@@ -248,7 +249,7 @@ void adjoint(GridView<const T> finest_residual, int component, Pyramid<T>& out) 
         const auto factors =
             curve_factors(order, std::max(layout.rows, layout.cols), layout.levels());
         return fine_to_coarse(
-            finest_residual, component, out,
+            finest_residual, component, out, 0,
             [&](int level, GridView<const T> fine, GridView<T> coarse) {
                 const auto edges = edges_of(out, component, level)[curve_kind(layout)];
                 transpose_curve<T>(order, factors[std::size_t(level - 1)], line_of(layout, fine),
@@ -256,7 +257,7 @@ void adjoint(GridView<const T> finest_residual, int component, Pyramid<T>& out) 
             });
     }
     const auto factors = update_factors(order, layout.rows, layout.cols, layout.levels());
-    fine_to_coarse(finest_residual, component, out,
+    fine_to_coarse(finest_residual, component, out, 0,
                    [&](int level, GridView<const T> fine, GridView<T> coarse) {
                        transpose_level<T>(order, factors[std::size_t(level - 1)], fine, coarse,
                                           edges_of(out, component, level));
@@ -264,7 +265,7 @@ void adjoint(GridView<const T> finest_residual, int component, Pyramid<T>& out) 
 }
 
 #define RELIEF_INSTANTIATE(T)                                             \
-    template void analyse(GridView<const T>, int, Pyramid<T>&);           \
+    template void analyse(GridView<const T>, int, Pyramid<T>&, int);      \
     template void coefficients(const Pyramid<T>&, int, int, GridView<T>); \
     template Grid<T> coefficients(const Pyramid<T>&, int, int);           \
     template void adjoint(GridView<const T>, int, Pyramid<T>&);

@@ -23,11 +23,12 @@ namespace relief::multires::box {
 [[nodiscard]] Result<PyramidLayout> layout(const SchemeSpec& spec, std::int64_t rows,
                                            std::int64_t cols, int components);
 
-/// Finest scaling coefficients to the bands of `component`. Reconstruction is exact up to rounding.
-/// Requires: `out` allocated for a layout of this scheme, `finest` of its size and finite.
+/// Scaling coefficients of `first_level` (0: the finest) to the bands of `component` above that level.
+/// Reconstruction is exact up to rounding. Requires: `out` allocated for a layout of this scheme,
+/// `finest` of the size of that level and finite.
 /// Complexity: O(samples); memory beyond the pyramid: the scaling coefficients of levels 1 and 2.
 template <class T>
-void analyse(GridView<const T> finest, int component, Pyramid<T>& out);
+void analyse(GridView<const T> finest, int component, Pyramid<T>& out, int first_level = 0);
 
 /// The scaling coefficients of `level`, 0 (the raster's lattice) .. levels (a copy of the scaling
 /// band), from all coarser bands. Complexity: O(coefficients of that level).

@@ -1,0 +1,72 @@
+#include "codec/level_chunks.h"
+
+#include <cmath>
+#include <string>
+
+#include "codec/bytes.h"
+#include "relief/codec/band_coder.h"
+
+namespace relief::codec {
+
+namespace {
+
+/// The bands of a chunk, each component apart, channels outermost.
+std::vector<std::size_t> bands_of(const multires::PyramidLayout& layout, int number) {
+    std::vector<std::size_t> bands;
+    for (std::size_t k = 0; k < layout.bands.size(); ++k)
+        if (chunk_of(layout, layout.bands[k]) == number) bands.push_back(k);
+    return bands;
+}
+
+std::vector<BandView> views_of(const multires::PyramidLayout& layout, int number, const Quantised& quantised) {
+    std::vector<BandView> views;
+    for (const std::size_t k : bands_of(layout, number))
+        for (const Grid<std::int32_t>& plane : quantised.values[k])
+            // The coder writes through views only when it decodes.
+            views.push_back({layout.bands[k].box,
+                             {const_cast<std::int32_t*>(plane.row(0)), plane.rows(), plane.cols(), plane.stride()},
+                             number == 0});
+    return views;
+}
+
+/// The views of the next coarser details; none above the coarsest.
+std::vector<BandView> parents_of(const multires::PyramidLayout& layout, int number, const Quantised& quantised) {
+    return number < 2 ? std::vector<BandView>{} : views_of(layout, number - 1, quantised);
+}
+
+}  // namespace
+
+int chunk_of(const multires::PyramidLayout& layout, const multires::BandLayout& band) {
+    return band.channel == 0 ? 0 : layout.levels() - band.level + 1;
+}
+
+std::vector<std::vector<std::uint8_t>> write_levels(const multires::PyramidLayout& layout, const Quantised& quantised) {
+    std::vector<std::vector<std::uint8_t>> chunks;
+    for (int number = 0; number <= layout.levels(); ++number) {
+        ByteWriter out;
+        for (const std::size_t k : bands_of(layout, number)) out.f32(quantised.steps[k]);
+        out.bytes(encode_level(views_of(layout, number, quantised), parents_of(layout, number, quantised)));
+        chunks.push_back(out.take());
+    }
+    return chunks;
+}
+
+Status read_level(std::span<const std::uint8_t> bytes, int number, const multires::PyramidLayout& layout,
+                  Quantised& quantised) {
+    quantised.values.resize(layout.bands.size());
+    quantised.steps.resize(layout.bands.size(), 0);
+    ByteReader in(bytes);
+    for (const std::size_t k : bands_of(layout, number)) {
+        const float step = in.f32();
+        if (in.failed() || !std::isfinite(step) || !(step > 0))
+            return Error{ErrorCode::BadFile, "a quantiser step is damaged", "level chunk " + std::to_string(number)};
+        quantised.steps[k] = step;
+        quantised.values[k].clear();
+        for (int c = 0; c < layout.components; ++c)
+            quantised.values[k].emplace_back(layout.bands[k].box.rows, layout.bands[k].box.cols);
+    }
+    std::vector<BandView> views = views_of(layout, number, quantised);
+    return decode_level(in.rest(), views, parents_of(layout, number, quantised));
+}
+
+}  // namespace relief::codec
