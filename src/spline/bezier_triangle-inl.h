@@ -1,5 +1,5 @@
-// Bezier triangles for one point (V = float or double) or a vector of points (V = a Highway vector).
-// Included once per instruction set.
+// Bezier triangles for one point (V = float or double) or a vector of points (V = a Highway
+// vector). Included once per instruction set.
 #if defined(RELIEF_SPLINE_BEZIER_TRIANGLE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RELIEF_SPLINE_BEZIER_TRIANGLE_INL_H_
 #undef RELIEF_SPLINE_BEZIER_TRIANGLE_INL_H_
@@ -23,7 +23,8 @@ struct Barycentric {
     V w;
 };
 
-/// de Casteljau from degree kFrom down to kTo, in place: ordinate (r, s, t) stands at p (p + 1) / 2 + t, p = s + t.
+/// de Casteljau from degree kFrom down to kTo, in place: ordinate (r, s, t) stands at p (p + 1) / 2
+/// + t, p = s + t.
 template <int kFrom, int kTo, class V>
 HWY_INLINE void reduce(V* b, const Barycentric<V>& at) {
     for (int degree = kFrom; degree > kTo; --degree) {
@@ -34,8 +35,8 @@ HWY_INLINE void reduce(V* b, const Barycentric<V>& at) {
     }
 }
 
-/// Value, gradient and Hessian from the ordinates of a triangle (which are overwritten), times `scale`; di, dj are the
-/// derivatives along x and y. `set` makes a V of a number.
+/// Value, gradient and Hessian from the ordinates of a triangle (which are overwritten), times
+/// `scale`; di, dj are the derivatives along x and y. `set` makes a V of a number.
 template <int kDegree, class V, class Set>
 HWY_INLINE SurfaceJet<V> triangle_jet(V* b, const Barycentric<V>& at, double scale, Set set) {
     SurfaceJet<V> jet;

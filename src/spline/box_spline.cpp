@@ -13,12 +13,14 @@ namespace {
 /// Numerators over degree!, up to 22! for the Gram mask of order 4.
 __extension__ using Wide = __int128;
 
-/// The Bezier net of a continuous spline of compact support: ordinate (a, b) belongs to the point (a, b) / degree, for
-/// |a|, |b| <= radius * degree; zero elsewhere.
+/// The Bezier net of a continuous spline of compact support: ordinate (a, b) belongs to the point
+/// (a, b) / degree, for |a|, |b| <= radius * degree; zero elsewhere.
 class Net {
   public:
     Net(int net_degree, int radius)
-        : degree(net_degree), extent(radius * net_degree), side_(2 * extent + 1),
+        : degree(net_degree),
+          extent(radius * net_degree),
+          side_(2 * extent + 1),
           ordinates_(static_cast<std::size_t>(side_) * side_) {}
 
     [[nodiscard]] bool contains(int a, int b) const {
@@ -55,9 +57,10 @@ CellPoint split(int a, int degree) {
     return {cell, a - cell * degree};
 }
 
-/// The spline S with D_e S = M(x) - M(x - e), from M of one degree less. Each small edge of S parallel to e lies in one
-/// small triangle of M's net, whose ordinate is degree times the difference along the edge; numerators over degree!
-/// absorb the factor. Edges are walked along e from outside the support, where S is zero.
+/// The spline S with D_e S = M(x) - M(x - e), from M of one degree less. Each small edge of S
+/// parallel to e lies in one small triangle of M's net, whose ordinate is degree times the
+/// difference along the edge; numerators over degree! absorb the factor. Edges are walked along e
+/// from outside the support, where S is zero.
 Net integrate(const Net& m, Direction e, int radius) {
     Net s(m.degree + 1, radius);
     const int n = s.degree;
@@ -71,13 +74,15 @@ Net integrate(const Net& m, Direction e, int radius) {
             const auto [cell_j, fj] = split(std::min(b, b - e.j), n);
             const int qa = cell_i * (n - 1) + fi - (e.i == 0 && fi > fj);
             const int qb = cell_j * (n - 1) + fj - (e.j == 0 && fj > fi);
-            s.at(a, b) = s(a - e.i, b - e.j) + m(qa, qb) - m(qa - e.i * (n - 1), qb - e.j * (n - 1));
+            s.at(a, b) =
+                s(a - e.i, b - e.j) + m(qa, qb) - m(qa - e.i * (n - 1), qb - e.j * (n - 1));
         }
     }
     return s;
 }
 
-/// The net of the centred M_ddd. Partial sums such as M_{d+1,d,d} reach one cell farther than the spline before.
+/// The net of the centred M_ddd. Partial sums such as M_{d+1,d,d} reach one cell farther than the
+/// spline before.
 Net box_net(int order) {
     Net net(1, order);
     net.at(0, 0) = 1;
@@ -86,9 +91,12 @@ Net box_net(int order) {
     return net;
 }
 
-std::int64_t factorial(int n) { return n < 2 ? 1 : n * factorial(n - 1); }
+std::int64_t factorial(int n) {
+    return n < 2 ? 1 : n * factorial(n - 1);
+}
 
-/// The values of a spline at the lattice points. A product of doubles gives 22! exactly: it has 53 significant bits.
+/// The values of a spline at the lattice points. A product of doubles gives 22! exactly: it has 53
+/// significant bits.
 std::vector<MaskTap> lattice_values(const Net& net) {
     double denominator = 1;
     for (int k = 2; k <= net.degree; ++k) denominator *= k;
@@ -97,7 +105,8 @@ std::vector<MaskTap> lattice_values(const Net& net) {
     for (int i = -radius; i <= radius; ++i) {
         for (int j = -radius; j <= radius; ++j) {
             const Wide numerator = net(i * net.degree, j * net.degree);
-            if (numerator != 0) mask.push_back({i, j, static_cast<double>(numerator) / denominator});
+            if (numerator != 0)
+                mask.push_back({i, j, static_cast<double>(numerator) / denominator});
         }
     }
     return mask;
@@ -108,14 +117,15 @@ std::vector<std::int64_t> lower_ordinates(const Net& net, int i, int j) {
     std::vector<std::int64_t> ordinates;
     for (int p = 0; p <= net.degree; ++p)
         for (int t = 0; t <= p; ++t)
-            ordinates.push_back(static_cast<std::int64_t>(net(p - i * net.degree, t - j * net.degree)));
+            ordinates.push_back(
+                static_cast<std::int64_t>(net(p - i * net.degree, t - j * net.degree)));
     return ordinates;
 }
 
 BoxSpline derive(int order) {
     const Net net = box_net(order);
-    BoxSpline spline{order, net.degree, factorial(net.degree), {}, lattice_values(net),
-                     lattice_values(box_net(2 * order))};
+    BoxSpline spline{order, net.degree,          factorial(net.degree),
+                     {},    lattice_values(net), lattice_values(box_net(2 * order))};
     for (int i = 1 - order; i <= order; ++i) {
         for (int j = 1 - order; j <= order; ++j) {
             std::vector<std::int64_t> numerators = lower_ordinates(net, i, j);
@@ -165,19 +175,27 @@ SurfaceJet<double> jet_of_order(double i, double j) {
 
 const BoxSpline& box_spline(int order) {
     switch (order) {
-        case 1: return table<1>();
-        case 2: return table<2>();
-        case 3: return table<3>();
-        default: return table<4>();
+        case 1:
+            return table<1>();
+        case 2:
+            return table<2>();
+        case 3:
+            return table<3>();
+        default:
+            return table<4>();
     }
 }
 
 SurfaceJet<double> box_spline_jet(int order, double i, double j) {
     switch (order) {
-        case 1: return jet_of_order<1>(i, j);
-        case 2: return jet_of_order<2>(i, j);
-        case 3: return jet_of_order<3>(i, j);
-        default: return jet_of_order<4>(i, j);
+        case 1:
+            return jet_of_order<1>(i, j);
+        case 2:
+            return jet_of_order<2>(i, j);
+        case 3:
+            return jet_of_order<3>(i, j);
+        default:
+            return jet_of_order<4>(i, j);
     }
 }
 

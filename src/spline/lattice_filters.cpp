@@ -27,8 +27,9 @@ Status check(int order, const GridView<const T>& in, const GridView<T>& out) {
         return Error{ErrorCode::BadInput, "the grid is empty; at least one value is needed",
                      size_text(in.rows, in.cols)};
     if (in.rows != out.rows || in.cols != out.cols)
-        return Error{ErrorCode::InvalidArgument, "the output must have the size of the input, " +
-                     size_text(in.rows, in.cols), "output of " + size_text(out.rows, out.cols)};
+        return Error{ErrorCode::InvalidArgument,
+                     "the output must have the size of the input, " + size_text(in.rows, in.cols),
+                     "output of " + size_text(out.rows, out.cols)};
     return {};
 }
 
@@ -45,18 +46,21 @@ void correlate_row(const std::vector<MaskTap>& mask, const GridView<T>& in, std:
                    std::int64_t cols) {
     RowTap<T> taps[256];
     int count = 0;
-    for (const MaskTap& tap : mask) taps[count++] = {in.row(r + tap.i) + tap.j, static_cast<T>(tap.weight)};
+    for (const MaskTap& tap : mask)
+        taps[count++] = {in.row(r + tap.i) + tap.j, static_cast<T>(tap.weight)};
     row_fir(out, cols, taps, count);
 }
 
 /// Rows first .. last - 1 of `in` in the middle of a grid whose ring and remaining rows are zero.
 template <class T>
-RingedGrid<T> zero_extended(const GridView<const T>& in, std::int64_t first, std::int64_t last, int ring) {
+RingedGrid<T> zero_extended(const GridView<const T>& in, std::int64_t first, std::int64_t last,
+                            int ring) {
     RingedGrid<T> grid(last - first, in.cols, ring, ring);
     std::fill_n(grid.storage.row(0), grid.storage.rows() * grid.storage.stride(), T(0));
     const std::int64_t begin = std::max<std::int64_t>(first - ring, 0);
     const std::int64_t end = std::min(last + ring, in.rows);
-    for (std::int64_t r = begin; r < end; ++r) std::copy_n(in.row(r), in.cols, grid.box.row(r - first));
+    for (std::int64_t r = begin; r < end; ++r)
+        std::copy_n(in.row(r), in.cols, grid.box.row(r - first));
     return grid;
 }
 
@@ -66,18 +70,24 @@ struct Tile {
     LatticeBox grown;
 };
 
-/// Cuts a box into tiles whose values and temporaries stay in the second level cache.
+/// Cuts a box into tiles that stay, with their temporaries, in the second level cache. Grown tiles
+/// are as wide as the blocks of row_fir ask for.
 class Tiling {
   public:
     Tiling(std::int64_t rows, std::int64_t cols, std::int64_t margin)
-        : rows_(rows), cols_(cols), margin_(margin), across_((cols + kCols - 1) / kCols) {}
+        : rows_(rows),
+          cols_(cols),
+          margin_(margin),
+          height_(kGrownRows - 2 * margin),
+          width_(kGrownCols - 2 * margin),
+          across_((cols + width_ - 1) / width_) {}
 
-    [[nodiscard]] std::int64_t count() const { return (rows_ + kRows - 1) / kRows * across_; }
+    [[nodiscard]] std::int64_t count() const { return (rows_ + height_ - 1) / height_ * across_; }
     [[nodiscard]] Tile operator[](std::int64_t k) const {
-        const std::int64_t row0 = k / across_ * kRows;
-        const std::int64_t col0 = k % across_ * kCols;
-        const std::int64_t row1 = std::min(row0 + kRows, rows_);
-        const std::int64_t col1 = std::min(col0 + kCols, cols_);
+        const std::int64_t row0 = k / across_ * height_;
+        const std::int64_t col0 = k % across_ * width_;
+        const std::int64_t row1 = std::min(row0 + height_, rows_);
+        const std::int64_t col1 = std::min(col0 + width_, cols_);
         const std::int64_t top = std::max<std::int64_t>(row0 - margin_, 0);
         const std::int64_t left = std::max<std::int64_t>(col0 - margin_, 0);
         const std::int64_t bottom = std::min(row1 + margin_, rows_);
@@ -86,11 +96,13 @@ class Tiling {
     }
 
   private:
-    static constexpr std::int64_t kRows = 128;
-    static constexpr std::int64_t kCols = 512;
+    static constexpr std::int64_t kGrownRows = 128;
+    static constexpr std::int64_t kGrownCols = 512;
     std::int64_t rows_;
     std::int64_t cols_;
     std::int64_t margin_;
+    std::int64_t height_;
+    std::int64_t width_;
     std::int64_t across_;
 };
 
@@ -110,14 +122,16 @@ void add_correlation(const GridView<T>& base, T base_weight, const std::vector<M
 
 /// identity - step * mask.
 std::vector<MaskTap> relaxation_mask(std::vector<MaskTap> mask, double identity, double step) {
-    for (MaskTap& tap : mask) tap.weight = (tap.i == 0 && tap.j == 0 ? identity : 0) - step * tap.weight;
+    for (MaskTap& tap : mask)
+        tap.weight = (tap.i == 0 && tap.j == 0 ? identity : 0) - step * tap.weight;
     return mask;
 }
 
-/// out = start + e, where e comes from zero by the relaxations e <- e + step (residual - B e) of the residual
-/// samples - B start. `start` without data is zero. Working on the residual keeps rounding errors relative to e.
-/// Each tile is relaxed with a margin that it loses (order - 1 points an application of B) to the extension at its cut
-/// edges, so tiles agree to the bit with the whole box.
+/// out = start + e, where e comes from zero by the relaxations e <- e + step (residual - B e) of
+/// the residual samples - B start. `start` without data is zero. Working on the residual keeps
+/// rounding errors relative to e. Each tile is relaxed with a margin that it loses (order - 1
+/// points an application of B) to the extension at its cut edges, so tiles agree to the bit with
+/// the whole box.
 template <class T>
 void relax(int order, const GridView<const T>& samples, const GridView<const T>& start,
            const std::vector<double>& steps, const GridView<T>& out) {
@@ -142,8 +156,8 @@ void relax(int order, const GridView<const T>& samples, const GridView<const T>&
         }
         for (std::size_t k = 1; k < steps.size(); ++k) {
             extend_ring(e);
-            add_correlation(residual.box, static_cast<T>(steps[k]), relaxation_mask(mask, 1, steps[k]), e.box,
-                            next.box);
+            add_correlation(residual.box, static_cast<T>(steps[k]),
+                            relaxation_mask(mask, 1, steps[k]), e.box, next.box);
             std::swap(e, next);
         }
         for (std::int64_t r = 0; r < core.rows; ++r) {
@@ -158,29 +172,34 @@ void relax(int order, const GridView<const T>& samples, const GridView<const T>&
     });
 }
 
-/// Smallest value of the symbol of B, at the corner of the Brillouin zone: e1 and e2 turn the phase by a third.
+/// Smallest value of the symbol of B, at the corner of the Brillouin zone: e1 and e2 turn the phase
+/// by a third.
 double symbol_minimum(const std::vector<MaskTap>& samples) {
     double sum = 0;
     for (const MaskTap& tap : samples) sum += tap.weight * ((tap.i + tap.j) % 3 == 0 ? 1 : -0.5);
     return sum;
 }
 
-/// Eight Chebyshev steps for a spectrum in [low, 1], in the order of Lebedev and Finogenov, which keeps the partial
-/// products small.
-std::vector<double> chebyshev_steps(double low) {
+/// A cycle of Chebyshev relaxations: the steps, and the factor by which they reduce an error.
+struct Cycle {
+    std::vector<double> steps;
+    double reduction = 1;
+};
+
+/// Eight steps for a spectrum in [low, 1], in the order of Lebedev and Finogenov, which keeps
+/// partial products small. The interval is widened until 1 is a root: at a border B has Jordan
+/// blocks there, which would reduce slowly.
+Cycle chebyshev_cycle(double low) {
     constexpr int kOrdering[] = {1, 15, 7, 9, 3, 13, 5, 11};
     constexpr double kPi = 3.14159265358979323846;
-    std::vector<double> steps;
+    const double radius = (1 - low) / (1 + std::cos(kPi / 16));
+    Cycle cycle;
     for (const int k : kOrdering)
-        steps.push_back(1 / ((1 + low) / 2 + (1 - low) / 2 * std::cos(kPi * k / 16)));
-    return steps;
-}
-
-/// Cycles of `steps` Chebyshev steps that reduce the error by `tolerance`.
-int chebyshev_cycles(double low, std::size_t steps, double tolerance) {
-    const double root = std::sqrt(low);
-    const double per_cycle = 2 * std::pow((1 - root) / (1 + root), static_cast<double>(steps));
-    return static_cast<int>(std::ceil(std::log(tolerance) / std::log(per_cycle)));
+        cycle.steps.push_back(1 / (low + radius * (1 + std::cos(kPi * k / 16))));
+    const double root = std::sqrt(low / (low + 2 * radius));
+    cycle.reduction =
+        2 * std::pow((1 - root) / (1 + root), static_cast<double>(cycle.steps.size()));
+    return cycle;
 }
 
 }  // namespace
@@ -197,8 +216,8 @@ Status sample_lattice(int order, GridView<const T> coefficients, GridView<T> sam
             RingedGrid<T> c(grown.rows, grown.cols, ring, ring);
             copy_box(coefficients, grown.row0, grown.col0, c.box);
             extend_ring(c);
-            const GridView<T> inner(c.box.row(core.row0 - grown.row0) + (core.col0 - grown.col0), core.rows,
-                                    core.cols, c.box.stride);
+            const GridView<T> inner(c.box.row(core.row0 - grown.row0) + (core.col0 - grown.col0),
+                                    core.rows, core.cols, c.box.stride);
             for (std::int64_t r = 0; r < core.rows; ++r)
                 correlate_row(mask, inner, r, samples.row(core.row0 + r) + core.col0, core.cols);
         }
@@ -213,12 +232,14 @@ Status sample_lattice_adjoint(int order, GridView<const T> residuals, GridView<T
     const int ring = order - 1;
     const std::int64_t rows = residuals.rows;
     const std::int64_t last_col = residuals.cols - 1;
-    // B symmetric without a border: spread the residuals onto box and ring, then fold the ring back, columns first.
+    // B symmetric without a border: spread the residuals onto box and ring, then fold the ring
+    // back, columns first.
     RingedGrid<T> spread(rows, residuals.cols, ring, ring);
     parallel_for(-ring, rows + ring, kRowGrain, [&](std::int64_t first, std::int64_t last) {
         // Two rings: one is the extent of the result, one the reach of the mask from there.
         const RingedGrid<T> source = zero_extended(residuals, first, last, 2 * ring);
-        const GridView<T> shifted(source.box.data - ring, source.box.rows, source.box.cols, source.box.stride);
+        const GridView<T> shifted(source.box.data - ring, source.box.rows, source.box.cols,
+                                  source.box.stride);
         for (std::int64_t r = first; r < last; ++r) {
             T* row = spread.box.row(r);
             correlate_row(mask, shifted, r - first, row - ring, residuals.cols + 2 * ring);
@@ -251,14 +272,14 @@ Status interpolate_lattice(int order, GridView<const T> samples, GridView<T> coe
         copy_rows(samples, coefficients);
         return {};
     }
-    const double low = symbol_minimum(box_spline(order).samples);
-    const std::vector<double> steps = chebyshev_steps(low);
-    const int cycles = chebyshev_cycles(low, steps.size(), std::is_same_v<T, float> ? 1e-7 : 1e-14);
+    const Cycle cycle = chebyshev_cycle(symbol_minimum(box_spline(order).samples));
+    const double tolerance = std::is_same_v<T, float> ? 2e-8 : 1e-16;
+    const int cycles = static_cast<int>(std::ceil(std::log(tolerance) / std::log(cycle.reduction)));
     Grid<T> other(samples.rows, samples.cols);
     GridView<const T> from;
     for (int left = cycles; left > 0; --left) {
         const GridView<T> to = left % 2 ? coefficients : other.view();
-        relax(order, samples, from, steps, to);
+        relax(order, samples, from, cycle.steps, to);
         from = to;
     }
     return {};
@@ -267,8 +288,8 @@ Status interpolate_lattice(int order, GridView<const T> samples, GridView<T> coe
 template <class T>
 Status quasi_interpolate(int order, GridView<const T> samples, GridView<T> coefficients) {
     RELIEF_CHECK(check(order, samples, coefficients));
-    relax(order, samples, GridView<const T>(), std::vector<double>(static_cast<std::size_t>(order), 1.0),
-          coefficients);
+    relax(order, samples, GridView<const T>(),
+          std::vector<double>(static_cast<std::size_t>(order), 1.0), coefficients);
     return {};
 }
 
@@ -284,7 +305,7 @@ Status gram_apply(int order, GridView<const T> coefficients, GridView<T> out) {
     return {};
 }
 
-#define RELIEF_LATTICE_FILTERS(T)                                               \
+#define RELIEF_LATTICE_FILTERS(T)                                                \
     template Status sample_lattice(int, GridView<const T>, GridView<T>);         \
     template Status sample_lattice_adjoint(int, GridView<const T>, GridView<T>); \
     template Status interpolate_lattice(int, GridView<const T>, GridView<T>);    \

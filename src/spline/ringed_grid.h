@@ -8,13 +8,15 @@
 
 namespace relief::spline {
 
-/// A box of coefficients inside a larger allocation: rows -before .. rows + after - 1 of `box`, and columns alike, can
-/// be read and written.
+/// A box of coefficients inside a larger allocation: rows -before .. rows + after - 1 of `box`, and
+/// columns alike, can be read and written.
 template <class T>
 struct RingedGrid {
     RingedGrid(std::int64_t rows, std::int64_t cols, int ring_before, int ring_after)
-        : storage(rows + ring_before + ring_after, cols + ring_before + ring_after), before(ring_before),
-          after(ring_after), box(storage.row(before) + before, rows, cols, storage.stride()) {}
+        : storage(rows + ring_before + ring_after, cols + ring_before + ring_after),
+          before(ring_before),
+          after(ring_after),
+          box(storage.row(before) + before, rows, cols, storage.stride()) {}
 
     Grid<T> storage;
     int before;
@@ -23,7 +25,8 @@ struct RingedGrid {
 };
 
 /// Fills the ring by reflection in the outermost values, first rows, then columns:
-/// c(-k) = 2 c(0) - c(min(k, n - 1)) and likewise at the far end; planes continue as planes, n = 1 as a constant.
+/// c(-k) = 2 c(0) - c(min(k, n - 1)) and likewise at the far end; planes continue as planes, n = 1
+/// as a constant.
 template <class T>
 void extend_ring(RingedGrid<T>& grid) {
     const GridView<T>& box = grid.box;
@@ -38,7 +41,8 @@ void extend_ring(RingedGrid<T>& grid) {
         reflect_row(last_row + k, last_row, std::max<std::int64_t>(last_row - k, 0));
     for (std::int64_t r = -grid.before; r < box.rows + grid.after; ++r) {
         T* row = box.row(r);
-        for (std::int64_t k = 1; k <= grid.before; ++k) row[-k] = T(2) * row[0] - row[std::min(k, last_col)];
+        for (std::int64_t k = 1; k <= grid.before; ++k)
+            row[-k] = T(2) * row[0] - row[std::min(k, last_col)];
         for (std::int64_t k = 1; k <= grid.after; ++k)
             row[last_col + k] = T(2) * row[last_col] - row[std::max<std::int64_t>(last_col - k, 0)];
     }
