@@ -60,9 +60,13 @@ inline constexpr int kFirstShift = kUpdateReach - shift_reach(kOrder);
 template <class T>
 inline constexpr std::int64_t kBlock = 4096 / static_cast<std::int64_t>(sizeof(T));
 
+/// The sums start a cache line before the block, so that aligned rows are loaded aligned.
+template <class T>
+inline constexpr std::int64_t kLead = 64 / sizeof(T);
+
 /// The five shifts' sums of a block with its reach on both sides and the rest of a last vector.
 template <class T>
-using ShiftSums = T[kShifts][kBlock<T> + 2 * kUpdateReach + 64 / sizeof(T)];
+using ShiftSums = T[kShifts][kBlock<T> + 3 * kLead<T>];
 
 }  // namespace relief::multires::box
 #endif
@@ -130,22 +134,22 @@ HWY_INLINE void sum_shifts(const T* const* edges, std::int64_t first, std::int64
     }
 }
 
-/// out = vertices + the shifted sums; sums start kUpdateReach columns before the block.
+/// out = vertices + the shifted sums; sums start kLead columns before the block.
 template <int kOrder, class T>
 HWY_INLINE void add_shifted(const ShiftSums<T>& sums, const T* vertices, std::int64_t n, T* out) {
     const Tag<T> d;
     const auto lanes = static_cast<std::int64_t>(hn::Lanes(d));
     std::int64_t j = 0;
     for (; j + lanes <= n; j += lanes) {
-        auto sum = hn::LoadU(d, sums[kFirstShift<kOrder>] + j + kFirstShift<kOrder>);
+        auto sum = hn::LoadU(d, sums[kFirstShift<kOrder>] + kLead<T> + j + kFirstShift<kOrder> - kUpdateReach);
         for (int s = kFirstShift<kOrder> + 1; s < kShifts - kFirstShift<kOrder>; ++s)
-            sum = hn::Add(sum, hn::LoadU(d, sums[s] + j + s));
+            sum = hn::Add(sum, hn::LoadU(d, sums[s] + kLead<T> + j + s - kUpdateReach));
         hn::StoreU(hn::Add(hn::LoadU(d, vertices + j), sum), d, out + j);
     }
     for (; j < n; ++j) {
-        T sum = sums[kFirstShift<kOrder>][j + kFirstShift<kOrder>];
+        T sum = sums[kFirstShift<kOrder>][kLead<T> + j + kFirstShift<kOrder> - kUpdateReach];
         for (int s = kFirstShift<kOrder> + 1; s < kShifts - kFirstShift<kOrder>; ++s)
-            sum = sum + sums[s][j + s];
+            sum = sum + sums[s][kLead<T> + j + s - kUpdateReach];
         out[j] = vertices[j] + sum;
     }
 }
@@ -155,7 +159,7 @@ void update(const T* const* edges, const T* weights, const T* vertices, std::int
     HWY_ALIGN ShiftSums<T> sums;
     for (std::int64_t j = 0; j < n; j += kBlock<T>) {
         const std::int64_t count = std::min(kBlock<T>, n - j);
-        sum_shifts<kOrder>(edges, j - kUpdateReach, j + count + kUpdateReach, weights, sums);
+        sum_shifts<kOrder>(edges, j - kLead<T>, j + count + kUpdateReach, weights, sums);
         add_shifted<kOrder>(sums, vertices + j, count, out + j);
     }
 }
