@@ -1,0 +1,179 @@
+#include "relief/io/picture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "io/colour.h"
+#include "io/font.h"
+#include "relief/core/parallel.h"
+
+namespace relief::io {
+
+namespace {
+
+using detail::Srgb;
+
+constexpr Srgb kHoleGrey = {214, 214, 214};
+constexpr Srgb kInk = {60, 60, 64};
+
+bool is_valid(Mask mask, std::int64_t r, std::int64_t c) {
+    return mask.count() == 0 || mask(r, c) != 0;
+}
+
+/// An image of one pixel a sample; colour(row, col) is asked where valid(row, col).
+template <class Valid, class Colour>
+Image paint(Heights z, HoleStyle holes, Valid valid, Colour colour) {
+    Image image(static_cast<int>(z.cols), static_cast<int>(z.rows),
+                holes == HoleStyle::Grey ? 3 : 4);
+    parallel_for(0, z.rows, 16, [&](std::int64_t first, std::int64_t last) {
+        for (std::int64_t r = first; r < last; ++r) {
+            for (std::int64_t c = 0; c < z.cols; ++c) {
+                const bool there = valid(r, c);
+                const Srgb rgb = there ? colour(r, c) : kHoleGrey;
+                std::uint8_t* p = image.pixel(static_cast<int>(r), static_cast<int>(c));
+                std::copy(rgb.begin(), rgb.end(), p);
+                if (image.channels == 4) p[3] = there ? 255 : 0;
+            }
+        }
+    });
+    return image;
+}
+
+/// The picture at the width asked for, in the proportions of the ground.
+Image laid_out(Image image, CellSize cell, int width) {
+    if (width <= 0 || image.width < 1 || image.height < 1) return image;
+    const double proportion = image.height * cell.y / (image.width * cell.x);
+    return resize(image, width, std::max(1, static_cast<int>(std::lround(width * proportion))));
+}
+
+struct Range {
+    double low = 0;
+    double high = 0;
+};
+
+/// Smallest and largest value(row, col) where valid(row, col); {0, 0} if there is none.
+template <class Valid, class Value>
+Range range_of(Heights z, Valid valid, Value value) {
+    bool any = false;
+    Range range;
+    for (std::int64_t r = 0; r < z.rows; ++r) {
+        for (std::int64_t c = 0; c < z.cols; ++c) {
+            if (!valid(r, c)) continue;
+            const double v = value(r, c);
+            range = any ? Range{std::min(range.low, v), std::max(range.high, v)} : Range{v, v};
+            any = true;
+        }
+    }
+    return range;
+}
+
+/// Where a height lies on the ramp.
+double on_ramp(double z, const Range& range) {
+    if (range.low < 0 && range.high > 0) return z < 0 ? -z / range.low : z / range.high;
+    return range.high > range.low ? (z - range.low) / (range.high - range.low) : 0.5;
+}
+
+/// The smallest of 1, 2, 5 times a power of ten that is not below x > 0.
+double round_up(double x) {
+    const double decade = std::pow(10, std::floor(std::log10(x)));
+    for (const double digit : {1.0, 2.0, 5.0})
+        if (digit * decade >= x) return digit * decade;
+    return 10 * decade;
+}
+
+/// The picture on white with a bar below it that explains the colours.
+Image with_legend(const Image& picture, double scale, const std::string& unit) {
+    const int dot = std::max(1, picture.width / 400);
+    const int width = std::max(picture.width, 180);
+    const int margin = 6 * dot;
+    const int bar = 10 * dot;
+    Image out(width, picture.height + 3 * margin + bar + 9 * dot, picture.channels);
+    std::fill(out.pixels.begin(), out.pixels.end(), std::uint8_t{255});
+    for (int r = 0; r < picture.height; ++r)
+        std::copy_n(picture.pixel(r, 0), picture.width * picture.channels,
+                    out.pixel(r, (width - picture.width) / 2));
+
+    const int length = std::min(width - 60 * dot, 300 * dot);
+    const int left = (width - length) / 2;
+    const int top = picture.height + margin;
+    for (int r = 0; r < bar; ++r)
+        for (int c = 0; c < length; ++c) {
+            const Srgb rgb = difference_colour(2 * (c + 0.5) / length - 1);
+            std::copy(rgb.begin(), rgb.end(), out.pixel(top + r, left + c));
+        }
+    for (const double part : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
+        const int at = left + static_cast<int>(std::lround((part + 1) / 2 * (length - dot)));
+        for (int r = 0; r < 3 * dot; ++r)
+            for (int c = 0; c < dot; ++c)
+                std::copy(kInk.begin(), kInk.end(), out.pixel(top + bar + r, at + c));
+        const std::string_view suffix = part == 1 ? std::string_view(unit) : "";
+        const std::string label =
+            part == 0 ? "0"
+                      : fmt::format("{:+.3g}{}{}", part * scale, suffix.empty() ? "" : " ", suffix);
+        detail::draw_text(out, label, top + bar + 5 * dot, at - detail::text_width(label, dot) / 2,
+                          dot, kInk);
+    }
+    return out;
+}
+
+}  // namespace
+
+Image hillshade(Heights z, Mask mask, CellSize cell, const PictureOptions& options) {
+    const Grid<double> light = illumination(z, mask, cell, options.light);
+    const auto valid = [&](std::int64_t r, std::int64_t c) { return !std::isnan(light(r, c)); };
+    const auto grey = [&](std::int64_t r, std::int64_t c) {
+        const auto code =
+            static_cast<std::uint8_t>(std::lround(24 + 228 * std::min(1.0, light(r, c))));
+        return Srgb{code, code, code};
+    };
+    return laid_out(paint(z, options.holes, valid, grey), cell, options.width);
+}
+
+Image colour_by_height(Heights z, Mask mask, CellSize cell, const PictureOptions& options,
+                       Shading shading) {
+    const auto valid = [&](std::int64_t r, std::int64_t c) {
+        return is_valid(mask, r, c) && std::isfinite(z(r, c));
+    };
+    const Range range = range_of(z, valid, [&](std::int64_t r, std::int64_t c) { return z(r, c); });
+    const auto base = [&](std::int64_t r, std::int64_t c) -> const detail::Light& {
+        return detail::height_light(on_ramp(z(r, c), range));
+    };
+    Image image;
+    if (shading == Shading::Flat) {
+        image = paint(z, options.holes, valid,
+                      [&](std::int64_t r, std::int64_t c) { return detail::srgb_of(base(r, c)); });
+    } else {
+        const Grid<double> light = illumination(z, mask, cell, options.light);
+        const double level = std::sin(options.light.altitude * std::numbers::pi / 180);
+        image = paint(z, options.holes, valid, [&](std::int64_t r, std::int64_t c) {
+            return detail::srgb_of(detail::lit(base(r, c), light(r, c), level));
+        });
+    }
+    return laid_out(std::move(image), cell, options.width);
+}
+
+Image error_map(Heights surface, Heights reference, Mask mask, CellSize cell,
+                const ErrorMapOptions& options) {
+    const auto error = [&](std::int64_t r, std::int64_t c) {
+        return surface(r, c) - reference(r, c);
+    };
+    const auto valid = [&](std::int64_t r, std::int64_t c) {
+        return is_valid(mask, r, c) && std::isfinite(error(r, c));
+    };
+    double scale = options.scale;
+    if (!(scale > 0)) {
+        const Range range = range_of(surface, valid, error);
+        const double largest = std::max(-range.low, range.high);
+        scale = largest > 0 ? round_up(largest) : 1;
+    }
+    Image image = paint(surface, options.picture.holes, valid, [&](std::int64_t r, std::int64_t c) {
+        return difference_colour(error(r, c) / scale);
+    });
+    return with_legend(laid_out(std::move(image), cell, options.picture.width), scale,
+                       options.unit);
+}
+
+}  // namespace relief::io
