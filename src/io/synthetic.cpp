@@ -30,7 +30,7 @@ Raster blank(std::int64_t rows, std::int64_t cols, std::size_t planes, double st
     const double top = (static_cast<double>(rows) - 0.5) * step;
     raster.geo.transform = {-step / 2, step, 0, top, 0, -step};
     raster.geo.pixel_is_point = true;
-    raster.unit = "m";
+    raster.unit = std::string("m");
     return raster;
 }
 

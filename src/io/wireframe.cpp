@@ -1,0 +1,305 @@
+#include "relief/io/wireframe.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "io/canvas.h"
+
+namespace relief::io {
+
+namespace {
+
+using detail::Canvas;
+using detail::Light;
+using detail::ScreenPoint;
+
+using Vec = std::array<double, 3>;
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kMargin = 0.03;  ///< of the picture's width, on each side
+
+Vec operator-(const Vec& a, const Vec& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+double dot(const Vec& a, const Vec& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+Vec cross(const Vec& a, const Vec& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// The unit vector at an azimuth (clockwise from north) and altitude.
+Vec direction(double azimuth, double altitude) {
+    const double flat = std::cos(altitude * kDegree);
+    return {std::sin(azimuth * kDegree) * flat, std::cos(azimuth * kDegree) * flat,
+            std::sin(altitude * kDegree)};
+}
+
+Vec point(const Sheet& sheet, std::int64_t r, std::int64_t c) {
+    return {sheet.xyz[0](r, c), sheet.xyz[1](r, c), sheet.xyz[2](r, c)};
+}
+
+bool is_valid(const Sheet& sheet, std::int64_t r, std::int64_t c) {
+    if (!sheet.mask.empty() && sheet.mask(r, c) == 0) return false;
+    const Vec p = point(sheet, r, c);
+    return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+}
+
+template <class Visit>
+void for_each_valid(const Sheet& sheet, Visit visit) {
+    for (std::int64_t r = 0; r < sheet.xyz[0].rows(); ++r)
+        for (std::int64_t c = 0; c < sheet.xyz[0].cols(); ++c)
+            if (is_valid(sheet, r, c)) visit(point(sheet, r, c));
+}
+
+struct Box {
+    Vec low = {1e300, 1e300, 1e300};
+    Vec high = {-1e300, -1e300, -1e300};
+
+    void add(const Vec& p) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            low[k] = std::min(low[k], p[k]);
+            high[k] = std::max(high[k], p[k]);
+        }
+    }
+    [[nodiscard]] bool empty() const { return low[0] > high[0]; }
+};
+
+/// Looks at the middle of a box from a distance at which its diagonal fills the field of view.
+class Camera {
+  public:
+    Camera(const Box& box, const ViewOptions& view) {
+        for (std::size_t k = 0; k < 3; ++k) middle_[k] = (box.low[k] + box.high[k]) / 2;
+        const Vec extent = box.high - box.low;
+        radius_ = std::max(std::sqrt(dot(extent, extent)) / 2, 1e-300);
+        towards_viewer_ = direction(view.azimuth, view.altitude);
+        right_ = direction(view.azimuth - 90, 0);
+        up_ = cross(towards_viewer_, right_);
+        const double half = std::clamp(view.field_of_view, 0.0, 120.0) / 2 * kDegree;
+        if (half > 0) distance_ = radius_ / std::sin(half);
+    }
+
+    /// In units of the scene, the middle at (0, 0), y down.
+    [[nodiscard]] ScreenPoint project(const Vec& p) const {
+        const Vec d = p - middle_;
+        const double towards = dot(d, towards_viewer_);
+        const double shrink = distance_ ? *distance_ / (*distance_ - towards) : 1;
+        return {dot(d, right_) * shrink, -dot(d, up_) * shrink,
+                distance_ ? shrink : 1 + towards / (4 * radius_)};
+    }
+
+  private:
+    Vec middle_{};
+    Vec towards_viewer_{};
+    Vec right_{};
+    Vec up_{};
+    double radius_ = 1;
+    std::optional<double> distance_;  ///< none: parallel projection
+};
+
+/// Scene units to pixels.
+struct Fit {
+    double scale = 1;
+    double x = 0;
+    double y = 0;
+    int width = 0;
+    int height = 0;
+
+    [[nodiscard]] ScreenPoint operator()(const ScreenPoint& p) const {
+        return {p.x * scale + x, p.y * scale + y, p.nearness};
+    }
+};
+
+Fit fit(std::span<const Layer> layers, const Camera& camera, int width) {
+    Box seen;
+    for (const Layer& layer : layers)
+        for_each_valid(*layer.sheet, [&](const Vec& p) {
+            const ScreenPoint q = camera.project(p);
+            seen.add({q.x, q.y, 0});
+        });
+    const double across = std::max(seen.high[0] - seen.low[0], 1e-300);
+    const double down = seen.high[1] - seen.low[1];
+    const double margin = kMargin * width;
+    Fit out;
+    out.width = width;
+    out.scale = (width - 2 * margin) / across;
+    // A tall narrow scene must not become a picture of any height.
+    if (down * out.scale > 2.0 * width) out.scale = 2.0 * width / down;
+    out.height = static_cast<int>(std::ceil(down * out.scale + 2 * margin));
+    out.x = width / 2.0 - (seen.low[0] + seen.high[0]) / 2 * out.scale;
+    out.y = out.height / 2.0 - (seen.low[1] + seen.high[1]) / 2 * out.scale;
+    return out;
+}
+
+/// Draws one sheet; all that depends on sheet and view is at hand.
+class SheetPainter {
+  public:
+    SheetPainter(const Layer& layer, const Box& box, const Camera& camera, const Fit& fit,
+                 const ViewOptions& view)
+        : sheet_(*layer.sheet),
+          style_(layer.style),
+          box_(box),
+          camera_(camera),
+          fit_(fit),
+          sun_(direction(view.light.azimuth, view.light.altitude)),
+          viewer_(direction(view.azimuth, view.altitude)) {}
+
+    void fill(Canvas& canvas) const {
+        if (style_.fill == SheetFill::None || rows() < 2 || cols() < 2) return;
+        for (std::int64_t r = 0; r + 1 < rows(); ++r) {
+            for (std::int64_t c = 0; c + 1 < cols(); ++c) {
+                corner(canvas, {r, c}, {r + 1, c}, {r, c + 1});
+                corner(canvas, {r + 1, c + 1}, {r, c + 1}, {r + 1, c});
+            }
+        }
+    }
+
+    void lines(Canvas& canvas) const {
+        if (style_.line_every < 1) return;
+        for (std::int64_t r = 0; r < rows(); ++r) {
+            for (std::int64_t c = 0; c < cols(); ++c) {
+                const bool row_line = on_line(r, rows());
+                const bool col_line = on_line(c, cols());
+                if (row_line && c + 1 < cols())
+                    segment(canvas, {r, c}, {r, c + 1}, style_.line_width);
+                if (col_line && r + 1 < rows())
+                    segment(canvas, {r, c}, {r + 1, c}, style_.line_width);
+                if (row_line && col_line && style_.dot_radius > 0)
+                    segment(canvas, {r, c}, {r, c}, 2 * style_.dot_radius);
+            }
+        }
+    }
+
+  private:
+    using Index = std::array<std::int64_t, 2>;
+
+    [[nodiscard]] std::int64_t rows() const { return sheet_.xyz[0].rows(); }
+    [[nodiscard]] std::int64_t cols() const { return sheet_.xyz[0].cols(); }
+    [[nodiscard]] bool on_line(std::int64_t k, std::int64_t count) const {
+        return k % style_.line_every == 0 || k == count - 1;
+    }
+    [[nodiscard]] bool valid(const Index& k) const { return is_valid(sheet_, k[0], k[1]); }
+    [[nodiscard]] Vec at(const Index& k) const { return point(sheet_, k[0], k[1]); }
+    [[nodiscard]] ScreenPoint on_screen(const Index& k) const {
+        return fit_(camera_.project(at(k)));
+    }
+
+    void corner(Canvas& canvas, const Index& a, const Index& b, const Index& c) const {
+        if (!valid(a) || !valid(b) || !valid(c)) return;
+        canvas.triangle({on_screen(a), on_screen(b), on_screen(c)},
+                        {colour(a), colour(b), colour(c)});
+    }
+
+    void segment(Canvas& canvas, const Index& a, const Index& b, double width) const {
+        if (!valid(a) || !valid(b)) return;
+        const double hidden = style_.fill == SheetFill::None ? 0.4 * style_.line_opacity : 0;
+        canvas.line(on_screen(a), on_screen(b), width,
+                    {style_.line_colour, style_.line_opacity, hidden, 4e-3});
+    }
+
+    /// The difference across k along one index, between the valid neighbours there are.
+    [[nodiscard]] Vec tangent(const Index& k, std::size_t along) const {
+        Index before = k;
+        Index after = k;
+        const std::int64_t count = along == 0 ? rows() : cols();
+        if (k[along] > 0) --before[along];
+        if (k[along] + 1 < count) ++after[along];
+        return at(valid(after) ? after : k) - at(valid(before) ? before : k);
+    }
+
+    [[nodiscard]] Light colour(const Index& k) const {
+        Vec normal = cross(tangent(k, 0), tangent(k, 1));
+        const double length = std::sqrt(dot(normal, normal));
+        // Both sides of a sheet are lit: the one that faces the viewer counts.
+        const double side = dot(normal, viewer_) < 0 ? -1 : 1;
+        const double cosine = length > 0 ? side * dot(normal, sun_) / length : sun_[2];
+        const double span = box_.high[2] - box_.low[2];
+        const double z = at(k)[2];
+        double height = span > 0 ? (z - box_.low[2]) / span : 0.5;
+        if (box_.low[2] < 0 && box_.high[2] > 0)
+            height = z < 0 ? -z / box_.low[2] : z / box_.high[2];
+        const Light paper = {0.92, 0.92, 0.92};
+        const Light& base =
+            style_.fill == SheetFill::ByHeight ? detail::height_light(height) : paper;
+        return detail::lit(base, std::max(0.0, cosine), std::max(sun_[2], 0.2));
+    }
+
+    const Sheet& sheet_;
+    const SheetStyle& style_;
+    const Box& box_;
+    const Camera& camera_;
+    const Fit& fit_;
+    Vec sun_;
+    Vec viewer_;
+};
+
+}  // namespace
+
+Sheet height_sheet(Heights z, Mask mask, CellSize cell, double exaggeration,
+                   std::array<double, 2> origin) {
+    Sheet sheet;
+    for (Grid<double>& plane : sheet.xyz) plane = Grid<double>(z.rows, z.cols);
+    if (mask.count() > 0) sheet.mask = Grid<std::uint8_t>(z.rows, z.cols);
+    for (std::int64_t r = 0; r < z.rows; ++r) {
+        for (std::int64_t c = 0; c < z.cols; ++c) {
+            sheet.xyz[0](r, c) = origin[0] + static_cast<double>(c) * cell.x;
+            sheet.xyz[1](r, c) = -origin[1] - static_cast<double>(r) * cell.y;
+            sheet.xyz[2](r, c) = z(r, c) * exaggeration;
+            if (mask.count() > 0) sheet.mask(r, c) = mask(r, c);
+        }
+    }
+    return sheet;
+}
+
+Sheet point_sheet(Heights x, Heights y, Heights z, Mask mask) {
+    Sheet sheet = height_sheet(z, mask, {}, 1);
+    for (std::int64_t r = 0; r < z.rows; ++r) {
+        std::copy_n(x.row(r), z.cols, sheet.xyz[0].row(r));
+        std::copy_n(y.row(r), z.cols, sheet.xyz[1].row(r));
+    }
+    return sheet;
+}
+
+Image draw_sheets(std::span<const Layer> layers, const ViewOptions& view) {
+    Box box;
+    for (const Layer& layer : layers)
+        for_each_valid(*layer.sheet, [&](const Vec& p) { box.add(p); });
+    if (box.empty()) return {};
+    const Camera camera(box, view);
+    const Fit to_pixels = fit(layers, camera, std::max(view.width, 16));
+    Canvas canvas(to_pixels.width, to_pixels.height);
+    for (const Layer& layer : layers)
+        SheetPainter(layer, box, camera, to_pixels, view).fill(canvas);
+    for (const Layer& layer : layers)
+        SheetPainter(layer, box, camera, to_pixels, view).lines(canvas);
+    return canvas.image(view.background == HoleStyle::Transparent ? 4 : 3);
+}
+
+Image wireframe(Heights z, Mask mask, CellSize cell, const ViewOptions& view) {
+    const std::int64_t longer = std::max(z.rows, z.cols);
+    const std::int64_t step = std::max<std::int64_t>(1, longer / std::max(view.width, 16));
+    const auto thinned = [&](std::int64_t n) { return (n + step - 1) / step; };
+    Grid<double> heights(thinned(z.rows), thinned(z.cols));
+    Grid<std::uint8_t> valid(heights.rows(), heights.cols(), 1);
+    for (std::int64_t r = 0; r < heights.rows(); ++r) {
+        for (std::int64_t c = 0; c < heights.cols(); ++c) {
+            heights(r, c) = z(r * step, c * step);
+            if (mask.count() > 0) valid(r, c) = mask(r * step, c * step);
+        }
+    }
+    const double exaggeration = view.light.vertical_exaggeration > 0
+                                    ? view.light.vertical_exaggeration
+                                    : auto_exaggeration(z, mask, cell);
+    const CellSize thin_cell = {cell.x * static_cast<double>(step),
+                                cell.y * static_cast<double>(step)};
+    const Sheet sheet = height_sheet(heights.view(), valid.view(), thin_cell, exaggeration);
+    SheetStyle style;
+    style.line_every = static_cast<int>(std::max<std::int64_t>(1, longer / step / 60));
+    style.line_opacity = 0.5;
+    const Layer layer = {&sheet, style};
+    return draw_sheets({&layer, 1}, view);
+}
+
+}  // namespace relief::io
