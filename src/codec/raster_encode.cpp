@@ -171,12 +171,9 @@ class Encoder {
         return evaluated(quantise(chosen, unit, 0.5));
     }
 
-    std::uint64_t size_of(const Candidate& candidate, std::vector<std::uint8_t>* bytes = nullptr,
-                          const Corrections* corrections = nullptr) {
-        std::vector<std::uint8_t> file = assemble(candidate, corrections, {}, candidate.error);
-        const std::uint64_t size = file.size();
-        if (bytes) *bytes = std::move(file);
-        return size;
+    std::uint64_t size_of(const Candidate& candidate, const Corrections* corrections = nullptr) {
+        const auto file = assemble(candidate, corrections, {}, candidate.error);
+        return file.ok() ? file->size() : std::numeric_limits<std::uint64_t>::max();
     }
 
     // --- goals ----------------------------------------------------------------------------------------------------
@@ -275,7 +272,7 @@ class Encoder {
         const auto attempt = [&](double f) {
             Candidate candidate = at_unit(f * scale);
             Corrections corrections = make_corrections(raster_, candidate.surface, bound_);
-            const std::uint64_t size = size_of(candidate, nullptr, &corrections);
+            const std::uint64_t size = size_of(candidate, &corrections);
             if (size >= best_size) return false;
             best_size = size;
             best = std::move(candidate);
@@ -306,8 +303,8 @@ class Encoder {
 
     // --- file -----------------------------------------------------------------------------------------------------
 
-    std::vector<std::uint8_t> assemble(const Candidate& candidate, const Corrections* corrections,
-                                       const std::vector<Error2>& level_errors, const Error2& final_error) {
+    Result<std::vector<std::uint8_t>> assemble(const Candidate& candidate, const Corrections* corrections,
+                                               const std::vector<Error2>& level_errors, const Error2& final_error) {
         RasterHeader header;
         header.description.rows = raster_.rows;
         header.description.cols = raster_.cols;
@@ -327,19 +324,21 @@ class Encoder {
         header.rms_error = final_error.rms(samples_);
 
         ContainerWriter writer(write_header(header));
-        const auto unknown = std::numeric_limits<double>::infinity();
-        if (header.has_mask)
-            writer.add(ChunkKind::Mask, 0, 0, encode_mask(raster_.mask.view()), unknown, unknown);
+        if (header.has_mask) RELIEF_CHECK(writer.add({.kind = ChunkKind::Mask}, encode_mask(raster_.mask.view())));
         const auto chunks = write_levels(pyramid_.layout, candidate.quantised);
         for (std::size_t k = 0; k < chunks.size(); ++k) {
-            const int level = pyramid_.layout.levels() - (k == 0 ? 0 : static_cast<int>(k) - 1);
-            const Error2 error = k < level_errors.size() ? level_errors[k] : Error2{};
-            writer.add(k == 0 ? ChunkKind::Scaling : ChunkKind::Details, level, 0, chunks[k], error.max,
-                       error.rms(samples_));
+            ChunkInfo info;
+            info.kind = k == 0 ? ChunkKind::Scaling : ChunkKind::Level;
+            info.level = static_cast<std::uint16_t>(pyramid_.layout.levels() - (k == 0 ? 0 : static_cast<int>(k) - 1));
+            if (k < level_errors.size()) {
+                info.bound = level_errors[k].max;
+                info.rms = level_errors[k].rms(samples_);
+            }
+            RELIEF_CHECK(writer.add(info, chunks[k]));
         }
         if (corrections)
-            writer.add(ChunkKind::Correction, 0, 0, write_corrections(*corrections), final_error.max,
-                       final_error.rms(samples_));
+            RELIEF_CHECK(writer.add({.kind = ChunkKind::Correction, .bound = final_error.max, .rms = final_error.rms(samples_)},
+                                    write_corrections(*corrections)));
         return writer.finish();
     }
 
@@ -363,7 +362,7 @@ class Encoder {
             final_error = surface_error(raster_, surface);
         }
         EncodedRaster result;
-        result.bytes = assemble(best, corrected ? &corrections_ : nullptr, level_errors, final_error);
+        RELIEF_TRY(result.bytes, assemble(best, corrected ? &corrections_ : nullptr, level_errors, final_error));
         RELIEF_CHECK(verify(result.bytes, final_error));
 
         EncodeReport& report = result.report;

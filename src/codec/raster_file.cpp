@@ -100,10 +100,10 @@ Status RasterFile::State::read_structure() {
     layout = *std::move(bands);
     std::vector<std::size_t> found(static_cast<std::size_t>(layout.levels() + 1), SIZE_MAX);
     for (std::size_t k = 0; k < container->chunks().size(); ++k) {
-        const ChunkEntry& chunk = container->chunks()[k];
+        const ChunkInfo& chunk = container->chunks()[k];
         if (chunk.kind == ChunkKind::Correction) correction_chunk = k;
         const bool scaling = chunk.kind == ChunkKind::Scaling;
-        if (!scaling && chunk.kind != ChunkKind::Details) continue;
+        if (!scaling && chunk.kind != ChunkKind::Level) continue;
         const int number = scaling ? 0 : layout.levels() - static_cast<int>(chunk.level) + 1;
         if (number < 0 || number > layout.levels() || (number == 0) != scaling)
             return Error{ErrorCode::BadFile, "lists a level that does not exist", "directory"};
@@ -123,7 +123,7 @@ Status RasterFile::State::read_structure() {
 Status RasterFile::State::read_side_data() {
     bool has_mask = false;
     for (std::size_t k = 0; k < container->chunks().size(); ++k) {
-        const ChunkEntry& chunk = container->chunks()[k];
+        const ChunkInfo& chunk = container->chunks()[k];
         if (!container->complete(k)) continue;
         if (chunk.kind == ChunkKind::Mask) {
             RELIEF_TRY(const auto data, container->chunk(k));
@@ -193,6 +193,11 @@ Result<RasterFile> RasterFile::open(std::vector<std::uint8_t> bytes, std::uint64
     auto state = std::make_unique<State>();
     state->bytes = std::move(bytes);
     RELIEF_TRY(state->container, ContainerReader::open(state->bytes, file_size));
+    if (file_size < state->container->complete_size())
+        return Error{ErrorCode::BadFile,
+                     "is cut off: " + std::to_string(file_size) + " of " + std::to_string(state->container->complete_size()) +
+                         " bytes are there; 'decode --bytes " + std::to_string(file_size) + "' reads what is left",
+                     ""};
     RELIEF_CHECK(state->read_structure());
     RELIEF_CHECK(state->read_side_data());
     return RasterFile(std::move(state));
@@ -205,6 +210,12 @@ const Grid<std::uint8_t>& RasterFile::mask() const { return state_->mask; }
 Goal RasterFile::goal() const { return state_->header.goal; }
 double RasterFile::max_error() const { return state_->header.max_error; }
 double RasterFile::rms_error() const { return state_->header.rms_error; }
+
+int RasterFile::version() const { return kContainerVersion; }
+std::uint64_t RasterFile::size() const { return state_->container->complete_size(); }
+bool RasterFile::checksums_ok() const {
+    return state_->container->complete_chunks() == state_->container->chunks().size() && state_->container->checksums_ok();
+}
 
 std::vector<BandInfo> RasterFile::bands() const {
     std::vector<BandInfo> bands;
@@ -219,9 +230,9 @@ std::vector<BandInfo> RasterFile::bands() const {
     return bands;
 }
 
-std::vector<ChunkInfo> RasterFile::chunks() const {
-    std::vector<ChunkInfo> chunks;
-    for (const ChunkEntry& chunk : state_->container->chunks())
+std::vector<ChunkSummary> RasterFile::chunks() const {
+    std::vector<ChunkSummary> chunks;
+    for (const ChunkInfo& chunk : state_->container->chunks())
         chunks.push_back({std::string(chunk_kind_name(chunk.kind)), static_cast<int>(chunk.level), chunk.length, chunk.bound,
                           chunk.rms});
     return chunks;
@@ -243,7 +254,7 @@ std::uint64_t RasterFile::bytes_for(int level) const {
     std::uint64_t end = 0;
     const int wanted = std::min(layout().levels() - level + 1, state_->complete_levels);
     for (int number = 0; number < wanted; ++number) {
-        const ChunkEntry& chunk = chunks[state_->level_chunks[static_cast<std::size_t>(number)]];
+        const ChunkInfo& chunk = chunks[state_->level_chunks[static_cast<std::size_t>(number)]];
         end = std::max(end, chunk.offset + chunk.length);
     }
     if (level != 0) return end;
@@ -331,13 +342,12 @@ Result<std::vector<std::uint8_t>> add_moves(std::span<const std::uint8_t> file, 
     RELIEF_TRY(const ContainerReader reader, ContainerReader::open(file, file.size()));
     ContainerWriter writer(reader.header());
     for (std::size_t k = 0; k < reader.chunks().size(); ++k) {
-        const ChunkEntry& chunk = reader.chunks()[k];
+        const ChunkInfo& chunk = reader.chunks()[k];
         if (chunk.kind == ChunkKind::Edits) continue;
         RELIEF_TRY(const auto data, reader.chunk(k));
-        writer.add(chunk.kind, chunk.level, chunk.index, {data.begin(), data.end()}, chunk.bound, chunk.rms);
+        RELIEF_CHECK(writer.add(chunk, data));
     }
-    const double unknown = std::numeric_limits<double>::infinity();
-    writer.add(ChunkKind::Edits, 0, 0, write_moves(all), unknown, unknown);
+    RELIEF_CHECK(writer.add({.kind = ChunkKind::Edits}, write_moves(all)));
     return writer.finish();
 }
 

@@ -71,36 +71,33 @@ std::size_t curve_kind(const PyramidLayout& layout) {
 
 /// Runs step(level, fine, coarse) from the level above `first` up; the coarsest result is the scaling band.
 template <class T, class Step>
-void fine_to_coarse(GridView<const T> finest, int component, Pyramid<T>& out, int first, Step step) {
+void fine_to_coarse(GridView<const T> finest, int component, Pyramid<T>& out,
+                    Workspace<T>& workspace, Step step, int first = 0) {
     const int levels = out.layout.levels();
-    GridView<T> scaling = out.bands[0][std::size_t(component)].view();
+    const GridView<T> scaling = out.bands[0][std::size_t(component)].view();
     if (levels == first) return copy(finest, scaling);
-    Grid<T> held;
-    for (int level = first + 1; level < levels; ++level) {
+    for (int level = first + 1; level <= levels; ++level) {
         const Lattice lattice = lattice_at(out.layout, level);
-        Grid<T> coarse(lattice.rows, lattice.cols);
-        step(level, finest, coarse.view());
-        held = std::move(coarse);
-        finest = std::as_const(held).view();
+        const GridView<T> coarse =
+            level == levels ? scaling : workspace.grid(level % 2, lattice.rows, lattice.cols);
+        step(level, finest, coarse);
+        finest = coarse;
     }
-    step(levels, finest, scaling);
 }
 
 /// Runs step(level, coarse, fine) from the coarsest level down to `target` + 1, into `out`.
 template <class T, class Step>
 void coarse_to_fine(const Pyramid<T>& pyramid, int component, int target, GridView<T> out,
-                    Step step) {
+                    Workspace<T>& workspace, Step step) {
     GridView<const T> coarse = pyramid.bands[0][std::size_t(component)].view();
     if (target == pyramid.layout.levels()) return copy(coarse, out);
-    Grid<T> held;
-    for (int level = pyramid.layout.levels(); level > target + 1; --level) {
+    for (int level = pyramid.layout.levels(); level > target; --level) {
         const Lattice lattice = lattice_at(pyramid.layout, level - 1);
-        Grid<T> fine(lattice.rows, lattice.cols);
-        step(level, coarse, fine.view());
-        held = std::move(fine);
-        coarse = std::as_const(held).view();
+        const GridView<T> fine =
+            level == target + 1 ? out : workspace.grid(level % 2, lattice.rows, lattice.cols);
+        step(level, coarse, fine);
+        coarse = fine;
     }
-    step(target + 1, coarse, out);
 }
 
 /// Transposed padding and splitting: fine points to vertices and edges, zeros on a padded line.
@@ -189,55 +186,65 @@ Result<PyramidLayout> layout(const SchemeSpec& spec, std::int64_t rows, std::int
 }
 
 template <class T>
-void analyse(GridView<const T> finest, int component, Pyramid<T>& out, int first_level) {
+void analyse(GridView<const T> finest, int component, Pyramid<T>& out, Workspace<T>& workspace,
+             int first_level) {
     const PyramidLayout& layout = out.layout;
     const int order = layout.spec.order;
     if (is_curve(layout)) {
         const auto factors =
             curve_factors(order, std::max(layout.rows, layout.cols), layout.levels());
-        return fine_to_coarse(
-            finest, component, out, first_level,
-            [&](int level, GridView<const T> fine, GridView<T> coarse) {
-                const auto edges = edges_of(out, component, level)[curve_kind(layout)];
-                analyse_curve<T>(order, factors[std::size_t(level - 1)], line_of(layout, fine),
-                                 line_of(layout, coarse), line_of(layout, edges));
-            });
+        const auto step = [&](int level, GridView<const T> fine, GridView<T> coarse) {
+            const GridView<T> edges = edges_of(out, component, level)[curve_kind(layout)];
+            analyse_curve<T>(order, factors[std::size_t(level - 1)], line_of(layout, fine),
+                             line_of(layout, coarse), line_of(layout, edges));
+        };
+        return fine_to_coarse(finest, component, out, workspace, step, first_level);
     }
     const auto factors = update_factors(order, layout.rows, layout.cols, layout.levels());
-    fine_to_coarse(finest, component, out, first_level,
-                   [&](int level, GridView<const T> fine, GridView<T> coarse) {
-                       analyse_level<T>(order, factors[std::size_t(level - 1)], fine, coarse,
-                                        edges_of(out, component, level));
-                   });
+    const auto step = [&](int level, GridView<const T> fine, GridView<T> coarse) {
+        analyse_level<T>(order, factors[std::size_t(level - 1)], fine, coarse,
+                         edges_of(out, component, level));
+    };
+    fine_to_coarse(finest, component, out, workspace, step, first_level);
 }
 
 template <class T>
-void coefficients(const Pyramid<T>& pyramid, int component, int level, GridView<T> out) {
+void analyse(GridView<const T> finest, int component, Pyramid<T>& out) {
+    Workspace<T> workspace;
+    analyse(finest, component, out, workspace);
+}
+
+template <class T>
+void coefficients(const Pyramid<T>& pyramid, int component, int level, GridView<T> out,
+                  Workspace<T>& workspace) {
     const PyramidLayout& layout = pyramid.layout;
     const int order = layout.spec.order;
     if (is_curve(layout)) {
         const auto factors =
             curve_factors(order, std::max(layout.rows, layout.cols), layout.levels());
-        return coarse_to_fine(
-            pyramid, component, level, out, [&](int l, GridView<const T> coarse, GridView<T> fine) {
-                const auto edges = edges_of(pyramid, component, l)[curve_kind(layout)];
-                synthesise_curve<T>(order, factors[std::size_t(l - 1)], line_of(layout, coarse),
-                                    line_of(layout, edges), line_of(layout, fine));
-            });
+        const auto step = [&](int l, GridView<const T> coarse, GridView<T> fine) {
+            const GridView<const T> edges = edges_of(pyramid, component, l)[curve_kind(layout)];
+            synthesise_curve<T>(order, factors[std::size_t(l - 1)], line_of(layout, coarse),
+                                line_of(layout, edges), line_of(layout, fine));
+        };
+        return coarse_to_fine(pyramid, component, level, out, workspace, step);
     }
     const auto factors = update_factors(order, layout.rows, layout.cols, layout.levels());
-    coarse_to_fine(pyramid, component, level, out,
-                   [&](int l, GridView<const T> coarse, GridView<T> fine) {
-                       synthesise_level<T>(order, factors[std::size_t(l - 1)], coarse,
-                                           edges_of(pyramid, component, l), fine);
-                   });
+    const auto step = [&](int l, GridView<const T> coarse, GridView<T> fine) {
+        const Traffic traffic =
+            l == level + 1 ? streamed_if_large<T>(fine.count()) : Traffic::Cached;
+        synthesise_level<T>(order, factors[std::size_t(l - 1)], coarse,
+                            edges_of(pyramid, component, l), traffic, fine);
+    };
+    coarse_to_fine(pyramid, component, level, out, workspace, step);
 }
 
 template <class T>
 Grid<T> coefficients(const Pyramid<T>& pyramid, int component, int level) {
     const Lattice lattice = lattice_at(pyramid.layout, level);
     Grid<T> out(lattice.rows, lattice.cols);
-    coefficients(pyramid, component, level, out.view());
+    Workspace<T> workspace;
+    coefficients(pyramid, component, level, out.view(), workspace);
     return out;
 }
 
@@ -245,29 +252,30 @@ template <class T>
 void adjoint(GridView<const T> finest_residual, int component, Pyramid<T>& out) {
     const PyramidLayout& layout = out.layout;
     const int order = layout.spec.order;
+    Workspace<T> workspace;
     if (is_curve(layout)) {
         const auto factors =
             curve_factors(order, std::max(layout.rows, layout.cols), layout.levels());
-        return fine_to_coarse(
-            finest_residual, component, out, 0,
-            [&](int level, GridView<const T> fine, GridView<T> coarse) {
-                const auto edges = edges_of(out, component, level)[curve_kind(layout)];
-                transpose_curve<T>(order, factors[std::size_t(level - 1)], line_of(layout, fine),
-                                   line_of(layout, coarse), line_of(layout, edges));
-            });
+        const auto step = [&](int level, GridView<const T> fine, GridView<T> coarse) {
+            const GridView<T> edges = edges_of(out, component, level)[curve_kind(layout)];
+            transpose_curve<T>(order, factors[std::size_t(level - 1)], line_of(layout, fine),
+                               line_of(layout, coarse), line_of(layout, edges));
+        };
+        return fine_to_coarse(finest_residual, component, out, workspace, step);
     }
     const auto factors = update_factors(order, layout.rows, layout.cols, layout.levels());
-    fine_to_coarse(finest_residual, component, out, 0,
-                   [&](int level, GridView<const T> fine, GridView<T> coarse) {
-                       transpose_level<T>(order, factors[std::size_t(level - 1)], fine, coarse,
-                                          edges_of(out, component, level));
-                   });
+    const auto step = [&](int level, GridView<const T> fine, GridView<T> coarse) {
+        transpose_level<T>(order, factors[std::size_t(level - 1)], fine, coarse,
+                           edges_of(out, component, level));
+    };
+    fine_to_coarse(finest_residual, component, out, workspace, step);
 }
 
-#define RELIEF_INSTANTIATE(T)                                             \
-    template void analyse(GridView<const T>, int, Pyramid<T>&, int);      \
-    template void coefficients(const Pyramid<T>&, int, int, GridView<T>); \
-    template Grid<T> coefficients(const Pyramid<T>&, int, int);           \
+#define RELIEF_INSTANTIATE(T)                                                            \
+    template void analyse(GridView<const T>, int, Pyramid<T>&);                          \
+    template void analyse(GridView<const T>, int, Pyramid<T>&, Workspace<T>&, int);      \
+    template Grid<T> coefficients(const Pyramid<T>&, int, int);                          \
+    template void coefficients(const Pyramid<T>&, int, int, GridView<T>, Workspace<T>&); \
     template void adjoint(GridView<const T>, int, Pyramid<T>&);
 RELIEF_INSTANTIATE(float)
 RELIEF_INSTANTIATE(double)

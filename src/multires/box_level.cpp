@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "multires/box_rows.h"
 #include "multires/box_update.h"
 #include "relief/core/parallel.h"
 #include "relief/core/rows.h"
@@ -71,13 +72,13 @@ template <class T>
 void apply_vertex_rule(VertexRule inner, VertexRule border, Lattice lattice, std::int64_t i,
                        const T* in, EdgeRings<T>& edges, T* out) {
     const std::int64_t last = lattice.cols - 1;
+    const T border_centre = T(border.centre);
+    const T border_ring = T(border.ring);
     const T* e2 = edges.row(1, i);
     if (lattice.on_row_border(i)) {
-        const T c = T(border.centre);
-        const T r = T(border.ring);
-        const RowTap<T> taps[] = {{in + 1, c}, {e2, r}, {e2 + 1, r}};
         out[0] = in[0];
-        if (last > 1) row_fir(out + 1, last - 1, taps, 3);
+        for (std::int64_t j = 1; j < last; ++j)
+            out[j] = border_centre * in[j] + border_ring * (e2[j - 1] + e2[j]);
         out[last] = in[last];
         return;
     }
@@ -85,42 +86,34 @@ void apply_vertex_rule(VertexRule inner, VertexRule border, Lattice lattice, std
     const T* e1_above = edges.row(0, i - 1);
     const T* e3 = edges.row(2, i);
     const T* e3_above = edges.row(2, i - 1);
-    const T c = T(inner.centre);
-    const T r = T(inner.ring);
-    const RowTap<T> taps[] = {{in + 1, c}, {e1 + 1, r}, {e1_above + 1, r}, {e2 + 1, r},
-                              {e2, r},     {e3 + 1, r}, {e3_above, r}};
-    if (last > 1) row_fir(out + 1, last - 1, taps, 7);
+    step_row<T>(T(inner.centre), T(inner.ring), in + 1,
+                {e1_above + 1, e1 + 1, e2, e2 + 1, e3_above, e3 + 1}, last - 1, out + 1);
     for (const std::int64_t j : {std::int64_t{0}, last})
-        out[j] = T(border.centre) * in[j] + T(border.ring) * e1[j] + T(border.ring) * e1_above[j];
+        out[j] = border_centre * in[j] + border_ring * (e1_above[j] + e1[j]);
 }
 
-/// edge row += sign * prediction from the vertices: step 2 (-1) or its inverse (1).
+/// out = edges + sign * prediction from the vertices: step 2 (-1) or its inverse (1). `out` may be
+/// `edges`.
 template <class T>
 void add_prediction(const Rules& rules, T sign, Lattice lattice, int kind, std::int64_t i,
-                    RowRing<T>& vertices, T* edges) {
+                    RowRing<T>& vertices, const T* edges, T* out) {
     const Offset step = kStep[std::size_t(kind)];
     const std::int64_t n = lattice.edge_cols(kind);
     const T* begin = vertices.row(i);
     const T* end = vertices.row(i + step.row) + step.col;
-    const T half = sign * T(rules.border_ends);
-    const RowTap<T> border[] = {{begin, half}, {end, half}};
+    const T border_ends = sign * T(rules.border_ends);
     if (rules.opposite == 0 || (kind == 1 && lattice.on_row_border(i)))
-        return row_fir_add(edges, n, border, 2);
+        return predict_row_from_ends(border_ends, edges, begin, end, n, out);
 
     const auto [a, b] = kOpposite[std::size_t(kind)];
-    const T* opposite_a = vertices.row(i + a.row) + a.col;
-    const T* opposite_b = vertices.row(i + b.row) + b.col;
     const std::int64_t rim = kind == 0 ? 1 : 0;
-    const T ends = sign * T(rules.ends);
-    const T opposite = sign * T(rules.opposite);
-    const RowTap<T> taps[] = {{begin + rim, ends},
-                              {end + rim, ends},
-                              {opposite_a + rim, opposite},
-                              {opposite_b + rim, opposite}};
-    if (n > 2 * rim) row_fir_add(edges + rim, n - 2 * rim, taps, 4);
+    predict_row<T>(sign * T(rules.ends), sign * T(rules.opposite), edges + rim,
+                   {begin + rim, end + rim, vertices.row(i + a.row) + a.col + rim,
+                    vertices.row(i + b.row) + b.col + rim},
+                   n - 2 * rim, out + rim);
     if (rim == 0) return;
     for (const std::int64_t j : {std::int64_t{0}, n - 1})
-        edges[j] = edges[j] + half * begin[j] + half * end[j];
+        out[j] = edges[j] + border_ends * (begin[j] + end[j]);
 }
 
 /// Splits the columns of a fine row into even and odd ones; a missing last even one is
@@ -133,10 +126,10 @@ void split_row(GridView<const T> fine, const T* source, T* even, T* odd) {
 }
 
 template <class T>
-void merge_row(const T* even, const T* odd, GridView<T> fine, std::int64_t row) {
-    const std::int64_t pairs = fine.cols / 2;
-    row_merge(even, odd, pairs, fine.row(row));
-    if (fine.cols % 2 == 1) fine(row, fine.cols - 1) = even[pairs];
+void merge_row(const T* even, const T* odd, std::int64_t cols, T* out) {
+    const std::int64_t pairs = cols / 2;
+    row_merge(even, odd, pairs, out);
+    if (cols % 2 == 1) out[cols - 1] = even[pairs];
 }
 
 /// Coarse rows [first, last), cut off at the lattice.
@@ -164,6 +157,7 @@ class AnalysisStrip {
           vertices_out_(vertices),
           edges_out_(edges),
           lattice_{vertices.rows, vertices.cols},
+          traffic_(streamed_if_large<T>(fine.count())),
           own_(own),
           predicted_(own.grown(kUpdateReach, lattice_.rows)),
           stepped_(predicted_.grown(1, lattice_.rows)),
@@ -179,6 +173,7 @@ class AnalysisStrip {
             if (predicted_.has(t - 1)) predict(t - 1);
             if (own_.has(t - 3)) update(t - 3);
         }
+        finish_streaming();
     }
 
   private:
@@ -206,16 +201,24 @@ class AnalysisStrip {
         for (int kind = 0; kind < kEdgeKinds; ++kind) {
             if (i >= lattice_.edge_rows(kind)) continue;
             T* row = edges_.row(kind, i);
-            add_prediction(rules_, T(-1), lattice_, kind, i, vertices_, row);
+            add_prediction(rules_, T(-1), lattice_, kind, i, vertices_, row, row);
             if (own_.has(i))
-                std::copy_n(row, lattice_.edge_cols(kind), edges_out_[std::size_t(kind)].row(i));
+                copy_row(row, lattice_.edge_cols(kind), edges_out_[std::size_t(kind)].row(i),
+                         traffic_);
             factors_.scale_row(kind, i, row);
         }
     }
 
     void update(std::int64_t i) {
-        update_vertices(order_, T(1), edges_.around(i).data(), vertices_.row(i), lattice_.cols,
-                        vertices_out_.row(i));
+        update_vertices(order_, T(1), edges_.around(i), vertices_.row(i), lattice_.cols,
+                        soon(i + 4), vertices_out_.row(i));
+    }
+
+    /// Both halves of the fine rows that coarse row i will be split from.
+    SoonRows<T> soon(std::int64_t i) const {
+        const T* even = fine_.row(std::min(2 * i, fine_.rows - 1));
+        const T* odd = fine_.row(std::min(2 * i + 1, fine_.rows - 1));
+        return {even, even + fine_.cols / 2, odd, odd + fine_.cols / 2};
     }
 
     int order_;
@@ -225,6 +228,7 @@ class AnalysisStrip {
     GridView<T> vertices_out_;
     EdgePlanes<T> edges_out_;
     Lattice lattice_;
+    Traffic traffic_;
     RowRange own_;
     RowRange predicted_;
     RowRange stepped_;
@@ -239,7 +243,8 @@ template <class T>
 class SynthesisStrip {
   public:
     SynthesisStrip(int order, const UpdateFactors& factors, GridView<const T> vertices,
-                   const EdgePlanes<const T>& edges, GridView<T> fine, RowRange own)
+                   const EdgePlanes<const T>& edges, Traffic traffic, GridView<T> fine,
+                   RowRange own)
         : order_(order),
           rules_(rules(order)),
           factors_(factors),
@@ -247,6 +252,7 @@ class SynthesisStrip {
           edges_in_(edges),
           fine_(fine),
           lattice_{vertices.rows, vertices.cols},
+          traffic_(traffic),
           own_(own),
           predicted_{std::max<std::int64_t>(0, own.first - 1), own.last},
           updated_(predicted_.grown(1, lattice_.rows)),
@@ -254,7 +260,8 @@ class SynthesisStrip {
           scaled_(5, lattice_),
           vertices_(3, lattice_.cols),
           edges_(2, lattice_),
-          stepped_(1, lattice_.cols) {}
+          stepped_(1, lattice_.cols),
+          merged_(1, fine.cols) {}
 
     void run() {
         for (std::int64_t t = read_.first; t < own_.last + 3; ++t) {
@@ -263,29 +270,38 @@ class SynthesisStrip {
             if (predicted_.has(t - 3)) predict(t - 3);
             if (own_.has(t - 3)) merge_rows(t - 3);
         }
+        finish_streaming();
     }
 
   private:
     void read_edges(std::int64_t i) {
         for (int kind = 0; kind < kEdgeKinds; ++kind) {
             if (i >= lattice_.edge_rows(kind)) continue;
-            std::copy_n(edges_in_[std::size_t(kind)].row(i), lattice_.edge_cols(kind),
-                        scaled_.row(kind, i));
+            const GridView<const T>& band = edges_in_[std::size_t(kind)];
+            copy_row(band.row(i), band.cols, scaled_.row(kind, i), Traffic::Cached);
             factors_.scale_row(kind, i, scaled_.row(kind, i));
         }
     }
 
     void undo_update(std::int64_t i) {
-        update_vertices(order_, T(-1), scaled_.around(i).data(), vertices_in_.row(i), lattice_.cols,
-                        vertices_.row(i));
+        update_vertices(order_, T(-1), scaled_.around(i), vertices_in_.row(i), lattice_.cols,
+                        soon(i), vertices_.row(i));
+    }
+
+    /// What the next edge row to be read and the next vertex row to be un-updated need.
+    SoonRows<T> soon(std::int64_t i) const {
+        const auto edge_row = [&](std::size_t kind) {
+            return edges_in_[kind].row(std::min(i + kUpdateReach + 1, edges_in_[kind].rows - 1));
+        };
+        return {edge_row(0), edge_row(1), edge_row(2),
+                vertices_in_.row(std::min(i + 1, vertices_in_.rows - 1))};
     }
 
     void predict(std::int64_t i) {
         for (int kind = 0; kind < kEdgeKinds; ++kind) {
             if (i >= lattice_.edge_rows(kind)) continue;
-            T* row = edges_.row(kind, i);
-            std::copy_n(edges_in_[std::size_t(kind)].row(i), lattice_.edge_cols(kind), row);
-            add_prediction(rules_, T(1), lattice_, kind, i, vertices_, row);
+            add_prediction(rules_, T(1), lattice_, kind, i, vertices_,
+                           edges_in_[std::size_t(kind)].row(i), edges_.row(kind, i));
         }
     }
 
@@ -296,8 +312,15 @@ class SynthesisStrip {
                               stepped_.row(0));
             v = stepped_.row(0);
         }
-        if (2 * i < fine_.rows) merge_row(v, edges_.row(1, i), fine_, 2 * i);
-        if (2 * i + 1 < fine_.rows) merge_row(edges_.row(0, i), edges_.row(2, i), fine_, 2 * i + 1);
+        write_merged(v, edges_.row(1, i), 2 * i);
+        write_merged(edges_.row(0, i), edges_.row(2, i), 2 * i + 1);
+    }
+
+    void write_merged(const T* even, const T* odd, std::int64_t row) {
+        if (row >= fine_.rows) return;
+        if (traffic_ == Traffic::Cached) return merge_row(even, odd, fine_.cols, fine_.row(row));
+        merge_row(even, odd, fine_.cols, merged_.row(0));
+        copy_row(merged_.row(0), fine_.cols, fine_.row(row), traffic_);
     }
 
     int order_;
@@ -307,6 +330,7 @@ class SynthesisStrip {
     EdgePlanes<const T> edges_in_;
     GridView<T> fine_;
     Lattice lattice_;
+    Traffic traffic_;
     RowRange own_;
     RowRange predicted_;
     RowRange updated_;
@@ -315,6 +339,7 @@ class SynthesisStrip {
     RowRing<T> vertices_;
     EdgeRings<T> edges_;
     RowRing<T> stepped_;
+    Grid<T> merged_;
 };
 
 }  // namespace
@@ -329,9 +354,9 @@ void analyse_level(int order, const UpdateFactors& factors, GridView<const T> fi
 
 template <class T>
 void synthesise_level(int order, const UpdateFactors& factors, GridView<const T> vertices,
-                      const EdgePlanes<const T>& edges, GridView<T> fine) {
+                      const EdgePlanes<const T>& edges, Traffic traffic, GridView<T> fine) {
     parallel_for(0, vertices.rows, kStripRows, [&](std::int64_t first, std::int64_t last) {
-        SynthesisStrip<T>(order, factors, vertices, edges, fine, {first, last}).run();
+        SynthesisStrip<T>(order, factors, vertices, edges, traffic, fine, {first, last}).run();
     });
 }
 
@@ -339,7 +364,7 @@ void synthesise_level(int order, const UpdateFactors& factors, GridView<const T>
     template void analyse_level(int, const UpdateFactors&, GridView<const T>, GridView<T>, \
                                 const EdgePlanes<T>&);                                     \
     template void synthesise_level(int, const UpdateFactors&, GridView<const T>,           \
-                                   const EdgePlanes<const T>&, GridView<T>);
+                                   const EdgePlanes<const T>&, Traffic, GridView<T>);
 RELIEF_INSTANTIATE(float)
 RELIEF_INSTANTIATE(double)
 #undef RELIEF_INSTANTIATE

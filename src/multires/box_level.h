@@ -2,6 +2,7 @@
 
 #include "multires/box_adjoint.h"
 #include "multires/box_factors.h"
+#include "multires/box_rows.h"
 #include "relief/core/grid.h"
 
 /// One level of the transform on a raster of at least 2 x 2, as a pipeline of rows: all steps of a
@@ -14,9 +15,9 @@ template <class T>
 void analyse_level(int order, const UpdateFactors& factors, GridView<const T> fine,
                    GridView<T> vertices, const EdgePlanes<T>& edges);
 
-/// Undoes analyse_level.
+/// Undoes analyse_level. `traffic`: whether `fine` will be read soon.
 template <class T>
 void synthesise_level(int order, const UpdateFactors& factors, GridView<const T> vertices,
-                      const EdgePlanes<const T>& edges, GridView<T> fine);
+                      const EdgePlanes<const T>& edges, Traffic traffic, GridView<T> fine);
 
 }  // namespace relief::multires::box

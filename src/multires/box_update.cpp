@@ -7,6 +7,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "multires/box_update.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -46,6 +47,9 @@ constexpr UpdatePlan update_plan(int order) {
 template <int kOrder>
 inline constexpr UpdatePlan kPlan = update_plan(kOrder);
 
+template <class T>
+using EdgeRows = std::array<const T*, kUpdateRows>;
+
 constexpr bool is_first_weight(int order, int shift, int weight) {
     const UpdatePlan& groups = order == 1 ? kPlan<1> : kPlan<2>;
     for (int w = 0; w < weight; ++w)
@@ -83,9 +87,9 @@ using Vector = hn::Vec<Tag<T>>;
 
 /// Rows 0 .. kTap of a group, added in order.
 template <int kOrder, int kShift, int kWeight, int kTap, class T>
-HWY_INLINE Vector<T> sum_rows(const T* const* edges, std::int64_t c) {
+HWY_INLINE Vector<T> sum_rows(const EdgeRows<T>& edges, std::int64_t c) {
     constexpr int slot = kPlan<kOrder>[kShift][kWeight].slot[kTap];
-    const auto row = hn::LoadU(Tag<T>(), edges[slot] + c);
+    const auto row = hn::LoadU(Tag<T>(), edges[std::size_t(slot)] + c);
     if constexpr (kTap == 0) {
         return row;
     } else {
@@ -95,7 +99,7 @@ HWY_INLINE Vector<T> sum_rows(const T* const* edges, std::int64_t c) {
 
 /// Weights 0 .. kWeight of a shift, added in order.
 template <int kOrder, int kShift, int kWeight, class T>
-HWY_INLINE Vector<T> sum_weights(const T* const* edges, std::int64_t c, const T* weights) {
+HWY_INLINE Vector<T> sum_weights(const EdgeRows<T>& edges, std::int64_t c, const T* weights) {
     constexpr int count = kPlan<kOrder>[kShift][kWeight].count;
     if constexpr (count == 0) {
         return sum_weights<kOrder, kShift, kWeight - 1>(edges, c, weights);
@@ -113,12 +117,13 @@ HWY_INLINE Vector<T> sum_weights(const T* const* edges, std::int64_t c, const T*
 /// The sums of all shifts at columns first .. last - 1 and some behind. All are formed before one
 /// is stored, so that each row is loaded once.
 template <int kOrder, class T>
-HWY_INLINE void sum_shifts(const T* const* edges, std::int64_t first, std::int64_t last,
-                           const T* weights, ShiftSums<T>& sums) {
+HWY_INLINE void sum_shifts(const EdgeRows<T>& edges, std::int64_t first, std::int64_t last,
+                           const T* weights, const SoonRows<T>& soon, ShiftSums<T>& sums) {
     constexpr int top = kUpdateWeights - 1;
     const Tag<T> d;
     const auto lanes = static_cast<std::int64_t>(hn::Lanes(d));
     for (std::int64_t c = first; c < last; c += lanes) {
+        for (const T* row : soon) hwy::Prefetch(row + c);
         const auto left = sum_weights<kOrder, 1, top>(edges, c, weights);
         const auto middle = sum_weights<kOrder, 2, top>(edges, c, weights);
         const auto right = sum_weights<kOrder, 3, top>(edges, c, weights);
@@ -141,7 +146,8 @@ HWY_INLINE void add_shifted(const ShiftSums<T>& sums, const T* vertices, std::in
     const auto lanes = static_cast<std::int64_t>(hn::Lanes(d));
     std::int64_t j = 0;
     for (; j + lanes <= n; j += lanes) {
-        auto sum = hn::LoadU(d, sums[kFirstShift<kOrder>] + kLead<T> + j + kFirstShift<kOrder> - kUpdateReach);
+        auto sum = hn::LoadU(
+            d, sums[kFirstShift<kOrder>] + kLead<T> + j + kFirstShift<kOrder> - kUpdateReach);
         for (int s = kFirstShift<kOrder> + 1; s < kShifts - kFirstShift<kOrder>; ++s)
             sum = hn::Add(sum, hn::LoadU(d, sums[s] + kLead<T> + j + s - kUpdateReach));
         hn::StoreU(hn::Add(hn::LoadU(d, vertices + j), sum), d, out + j);
@@ -155,21 +161,24 @@ HWY_INLINE void add_shifted(const ShiftSums<T>& sums, const T* vertices, std::in
 }
 
 template <int kOrder, class T>
-void update(const T* const* edges, const T* weights, const T* vertices, std::int64_t n, T* out) {
+void update(const EdgeRows<T>& edges, const T* weights, const T* vertices, std::int64_t n,
+            const SoonRows<T>& soon, T* out) {
     HWY_ALIGN ShiftSums<T> sums;
     for (std::int64_t j = 0; j < n; j += kBlock<T>) {
         const std::int64_t count = std::min(kBlock<T>, n - j);
-        sum_shifts<kOrder>(edges, j - kLead<T>, j + count + kUpdateReach, weights, sums);
+        sum_shifts<kOrder>(edges, j - kLead<T>, j + count + kUpdateReach, weights, soon, sums);
         add_shifted<kOrder>(sums, vertices + j, count, out + j);
     }
 }
 
-#define RELIEF_UPDATE(T, S)                                                             \
-    void linear_##S(const T* const* e, const T* w, const T* v, std::int64_t n, T* o) {  \
-        update<1, T>(e, w, v, n, o);                                                    \
-    }                                                                                   \
-    void quartic_##S(const T* const* e, const T* w, const T* v, std::int64_t n, T* o) { \
-        update<2, T>(e, w, v, n, o);                                                    \
+#define RELIEF_UPDATE(T, S)                                                        \
+    void linear_##S(const EdgeRows<T>& e, const T* w, const T* v, std::int64_t n,  \
+                    const SoonRows<T>& s, T* o) {                                  \
+        update<1, T>(e, w, v, n, s, o);                                            \
+    }                                                                              \
+    void quartic_##S(const EdgeRows<T>& e, const T* w, const T* v, std::int64_t n, \
+                     const SoonRows<T>& s, T* o) {                                 \
+        update<2, T>(e, w, v, n, s, o);                                            \
     }
 RELIEF_UPDATE(float, f)
 RELIEF_UPDATE(double, d)
@@ -184,16 +193,16 @@ namespace relief::multires::box {
 namespace {
 
 template <class T>
-T shift_sum_scalar(const std::array<TapGroup, kUpdateWeights>& groups, const T* const* edges,
+T shift_sum_scalar(const std::array<TapGroup, kUpdateWeights>& groups, const EdgeRows<T>& edges,
                    std::int64_t c, const T* weights) {
     T sum = 0;
     bool first = true;
     for (std::size_t w = 0; w < groups.size(); ++w) {
         const TapGroup& group = groups[w];
         if (group.count == 0) continue;
-        T rows = edges[group.slot[0]][c];
+        T rows = edges[std::size_t(group.slot[0])][c];
         for (std::size_t t = 1; t < std::size_t(group.count); ++t)
-            rows = rows + edges[group.slot[t]][c];
+            rows = rows + edges[std::size_t(group.slot[t])][c];
         const T term = weights[w] * rows;
         sum = first ? term : sum + term;
         first = false;
@@ -202,7 +211,7 @@ T shift_sum_scalar(const std::array<TapGroup, kUpdateWeights>& groups, const T* 
 }
 
 template <class T>
-void update_scalar(int order, const T* const* edges, const T* weights, const T* vertices,
+void update_scalar(int order, const EdgeRows<T>& edges, const T* weights, const T* vertices,
                    std::int64_t n, T* out) {
     const UpdatePlan& plan = order == 1 ? kPlan<1> : kPlan<2>;
     const int reach = shift_reach(order);
@@ -230,13 +239,14 @@ std::array<T, kUpdateWeights> signed_weights(int order, T sign) {
     HWY_EXPORT(linear_##S);                                                                        \
     HWY_EXPORT(quartic_##S);                                                                       \
     template <>                                                                                    \
-    void update_vertices(int order, T sign, const T* const* edges, const T* vertices,              \
-                         std::int64_t n, T* out) {                                                 \
+    void update_vertices(int order, T sign, const EdgeRows<T>& edges, const T* vertices,           \
+                         std::int64_t n, const SoonRows<T>& soon, T* out) {                        \
         const auto weights = signed_weights(order, sign);                                          \
         if (!simd_enabled()) return update_scalar(order, edges, weights.data(), vertices, n, out); \
         if (order == 1)                                                                            \
-            return HWY_DYNAMIC_DISPATCH(linear_##S)(edges, weights.data(), vertices, n, out);      \
-        HWY_DYNAMIC_DISPATCH(quartic_##S)(edges, weights.data(), vertices, n, out);                \
+            return HWY_DYNAMIC_DISPATCH(linear_##S)(edges, weights.data(), vertices, n, soon,      \
+                                                    out);                                          \
+        HWY_DYNAMIC_DISPATCH(quartic_##S)(edges, weights.data(), vertices, n, soon, out);          \
     }
 RELIEF_EXPORT(float, f)
 RELIEF_EXPORT(double, d)

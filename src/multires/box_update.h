@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "multires/box_rules.h"
@@ -18,11 +19,16 @@ constexpr int update_row_slot(int kind, int row_offset) {
 /// used.
 inline constexpr std::int64_t kRowMargin = 32;
 
+/// Four rows of n elements that will be read soon: the update computes long enough on what it has
+/// loaded to fetch them.
+template <class T>
+using SoonRows = std::array<const T*, 4>;
+
 /// out[j] = vertices[j] + sign * sum of the update's 42 (order 1: 12) weighted edge coefficients,
 /// for j < n. Taps of one column shift are added up first, weight by weight; then the five shifted
-/// sums. edges[slot] may be null where the update has no tap. `out` may be `vertices`.
+/// sums. `out` may be `vertices`.
 template <class T>
-void update_vertices(int order, T sign, const T* const* edges, const T* vertices, std::int64_t n,
-                     T* out);
+void update_vertices(int order, T sign, const std::array<const T*, kUpdateRows>& edges,
+                     const T* vertices, std::int64_t n, const SoonRows<T>& soon, T* out);
 
 }  // namespace relief::multires::box

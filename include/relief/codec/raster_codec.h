@@ -66,7 +66,7 @@ struct BandInfo {
 };
 
 /// A chunk as `info` shows it.
-struct ChunkInfo {
+struct ChunkSummary {
     std::string kind;  ///< "scaling", "details", "mask", "correction", "edits"
     int level = 0;
     std::uint64_t bytes = 0;
@@ -89,11 +89,14 @@ class RasterFile {
     [[nodiscard]] const Raster& description() const;
     [[nodiscard]] const multires::PyramidLayout& layout() const;
     [[nodiscard]] std::vector<BandInfo> bands() const;
-    [[nodiscard]] std::vector<ChunkInfo> chunks() const;
+    [[nodiscard]] std::vector<ChunkSummary> chunks() const;
     [[nodiscard]] const std::vector<multires::Move>& moves() const;
     [[nodiscard]] Goal goal() const;
     [[nodiscard]] double max_error() const;  ///< of the whole file, as verified by its encoder
     [[nodiscard]] double rms_error() const;
+    [[nodiscard]] int version() const;            ///< of the container
+    [[nodiscard]] std::uint64_t size() const;     ///< of the whole file, in bytes
+    [[nodiscard]] bool checksums_ok() const;      ///< of all chunks; reads them all
     [[nodiscard]] bool edited() const { return !moves().empty(); }
     /// The finest level of detail in this prefix: 0 when all of them are.
     [[nodiscard]] int finest_level() const;

@@ -74,6 +74,10 @@ enum class Shading : std::uint8_t { Flat, Shaded };
                                      const PictureOptions& options = {},
                                      Shading shading = Shading::Shaded);
 
+/// An image laid over the ground (a satellite picture, a map), stretched to the raster's extent and shaded by its relief.
+/// Requires: an image with pixels.
+[[nodiscard]] Image drape(Heights z, Mask mask, CellSize cell, const Image& image, const PictureOptions& options = {});
+
 struct ErrorMapOptions {
     double scale = 0;  ///< difference at the ends of the ramp; 0: the largest one, rounded up to 1,
                        ///< 2 or 5 x 10^k

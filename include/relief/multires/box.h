@@ -23,12 +23,35 @@ namespace relief::multires::box {
 [[nodiscard]] Result<PyramidLayout> layout(const SchemeSpec& spec, std::int64_t rows,
                                            std::int64_t cols, int components);
 
-/// Scaling coefficients of `first_level` (0: the finest) to the bands of `component` above that level.
-/// Reconstruction is exact up to rounding. Requires: `out` allocated for a layout of this scheme,
-/// `finest` of the size of that level and finite.
-/// Complexity: O(samples); memory beyond the pyramid: the scaling coefficients of levels 1 and 2.
+/// Memory for the scaling coefficients between levels, a third of a raster, kept from call to call:
+/// for several components or many tiles, first touch of fresh memory would cost as much as a level.
+/// One workspace serves one call at a time.
 template <class T>
-void analyse(GridView<const T> finest, int component, Pyramid<T>& out, int first_level = 0);
+class Workspace {
+  public:
+    /// rows x cols elements, not initialised, valid until slot 0 or 1 is asked for again.
+    GridView<T> grid(int slot, std::int64_t rows, std::int64_t cols) {
+        constexpr std::int64_t line = 64 / std::int64_t(sizeof(T));
+        const std::int64_t stride = ((cols + line - 1) / line | 1) * line;
+        Buffer<T>& buffer = slots_[slot];
+        if (buffer.size() < std::size_t(rows * stride))
+            buffer = Buffer<T>(std::size_t(rows * stride));
+        return {buffer.data(), rows, cols, stride};
+    }
+
+  private:
+    Buffer<T> slots_[2];
+};
+
+/// Finest scaling coefficients to the bands of `component`. Reconstruction is exact up to rounding.
+/// Requires: `out` allocated for a layout of this scheme; `finest` finite and of its size.
+/// With first_level above 0 `finest` holds the scaling coefficients of that level, and only the bands
+/// above it are written. Complexity: O(samples); memory beyond the pyramid: 5/16 of the samples, and some rows.
+template <class T>
+void analyse(GridView<const T> finest, int component, Pyramid<T>& out);
+template <class T>
+void analyse(GridView<const T> finest, int component, Pyramid<T>& out, Workspace<T>& workspace,
+             int first_level = 0);
 
 /// The scaling coefficients of `level`, 0 (the raster's lattice) .. levels (a copy of the scaling
 /// band), from all coarser bands. Complexity: O(coefficients of that level).
@@ -37,10 +60,11 @@ template <class T>
 
 /// The same into a kept buffer; `out` has the size of that level.
 template <class T>
-void coefficients(const Pyramid<T>& pyramid, int component, int level, GridView<T> out);
+void coefficients(const Pyramid<T>& pyramid, int component, int level, GridView<T> out,
+                  Workspace<T>& workspace);
 
 /// The transpose of coefficients(., ., 0) as a linear map of all bands: <coefficients(z), r> = <z,
-/// adjoint(r)>. Requires: as analyse. Complexity: O(samples).
+/// adjoint(r)>. Requires and complexity: as analyse.
 template <class T>
 void adjoint(GridView<const T> finest_residual, int component, Pyramid<T>& out);
 

@@ -1,0 +1,58 @@
+# Two commands matter: `make demo` and `make test`. Both install what is missing (Debian 12) and build first.
+JOBS ?= $(shell nproc)
+BUILD := build/release
+export RELIEF_COMPILER_LAUNCHER ?= $(shell command -v ccache)
+
+.PHONY: help setup build demo test bench reproduce format check fuzz asan tsan clean
+
+help:
+	@echo "make demo       encode, decode, compare and draw a real elevation model (build/demo)"
+	@echo "make test       build and run all tests"
+	@echo "make build      build only: $(BUILD)/relief"
+	@echo "make bench      benchmarks, as ratios in one run"
+	@echo "make reproduce  the source papers' numbers beside ours"
+	@echo "make check      formatting, static analysis, include rule, links in the documentation"
+	@echo "make format     apply the formatting"
+	@echo "make fuzz       fuzz every reader (needs clang); SECONDS_EACH=30"
+	@echo "make asan tsan  all tests under sanitizers"
+
+setup:
+	@tools/setup
+
+build: setup
+	@cmake --preset release >/dev/null
+	@cmake --build $(BUILD) -j $(JOBS)
+
+demo: build
+	@tools/demo $(BUILD) build/demo
+
+test: build
+	@tools/check_includes
+	@ctest --test-dir $(BUILD) --output-on-failure -j $(JOBS)
+
+bench: build
+	@tools/bench $(BUILD) build/bench
+
+reproduce: build
+	@$(BUILD)/relief-reproduce
+
+asan tsan: setup
+	@cmake --preset $@ >/dev/null
+	@cmake --build build/$@ -j $(JOBS)
+	@ctest --test-dir build/$@ --output-on-failure -j $(JOBS)
+
+SECONDS_EACH ?= 30
+fuzz: setup
+	@tools/fuzz $(SECONDS_EACH)
+
+format:
+	@tools/format
+
+check: build
+	@tools/format --check
+	@tools/check_includes
+	@tools/check_docs
+	@tools/tidy $(BUILD)
+
+clean:
+	rm -rf build

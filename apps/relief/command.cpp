@@ -1,0 +1,156 @@
+#include "command.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+
+#include "relief/io/file.h"
+#include "relief/io/file_kind.h"
+#include "relief/io/raster.h"
+
+namespace relief::cli {
+
+namespace {
+
+std::atomic<bool> g_stop{false};
+
+double now() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+CLI::App* add_verb(Program& program, const std::string& name, const std::string& description, const std::string& examples,
+                   Run run) {
+    CLI::App* verb = program.app.add_subcommand(name, description);
+    verb->footer("Examples:\n" + examples);
+    Globals& globals = program.globals;
+    verb->add_flag("--json", globals.json, "print one JSON object on standard output");
+    verb->add_flag("-q,--quiet", globals.quiet, "print errors only");
+    verb->add_flag("-v,--verbose", globals.verbose, "say more");
+    verb->add_option("--threads", globals.threads, "threads to use; 0: all cores (results do not depend on it)")
+        ->check(CLI::Range(0, 1024));
+    verb->callback([&program, name, run = std::move(run)] {
+        program.verb = name;
+        program.chosen = run;
+    });
+    return verb;
+}
+
+void stop_on_interrupt() {
+    const auto stop = [](int) { g_stop = true; };
+    std::signal(SIGINT, stop);
+    std::signal(SIGTERM, stop);
+}
+
+Progress progress_bar(const Globals& globals, std::string what) {
+    const bool shown_on_terminal = !globals.quiet && isatty(STDERR_FILENO) == 1;
+    return [what = std::move(what), shown_on_terminal, last = -1](double done) mutable {
+        const int percent = static_cast<int>(100 * std::clamp(done, 0.0, 1.0));
+        if (shown_on_terminal && percent > last) {
+            last = percent;
+            fmt::print(stderr, "\r{} {:3} %", what, percent);
+            if (percent == 100) fmt::print(stderr, "\r{:{}}\r", "", what.size() + 6);
+        }
+        return !g_stop.load();
+    };
+}
+
+std::string shown(double value) { return fmt::format("{:.6g}", value); }
+
+std::string grouped(std::int64_t value) {
+    std::string digits = std::to_string(value);
+    for (auto at = static_cast<std::int64_t>(digits.size()) - 3; at > (value < 0 ? 1 : 0); at -= 3)
+        digits.insert(static_cast<std::size_t>(at), " ");
+    return digits;
+}
+
+Json json_number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Stopwatch::Stopwatch() : start_(now()) {}
+double Stopwatch::seconds() const { return now() - start_; }
+
+void SchemeOptions::add_to(CLI::App& app) {
+    app.add_option("--scheme", scheme, "box (default), barycentric");
+    app.add_option("--order", order, "1: linear C0, 2: quartic C2 (default); barycentric also 3: C4, 4: C6");
+    app.add_option("--levels", levels, "levels of detail; default: as many as the raster allows");
+    app.add_option("--family", family, "barycentric: compact (default), semi-orthogonal, truncated, truncated-literal");
+    app.add_option("--dual", dual, "barycentric compact: order of the dual spline; default: as --order");
+    app.add_option("--map", map,
+                   "how samples and surface meet: interpolate (default), quasi-interpolate, coefficients");
+}
+
+Result<multires::SchemeSpec> SchemeOptions::spec() const {
+    multires::SchemeSpec spec;
+    RELIEF_TRY(spec.id, multires::scheme_from_name(scheme));
+    RELIEF_TRY(spec.family, multires::family_from_name(family));
+    RELIEF_TRY(spec.data_map, multires::data_map_from_name(map));
+    if (levels < -1) return Error{ErrorCode::InvalidArgument, "--levels must not be negative", ""};
+    spec.order = order;
+    spec.levels = levels;
+    spec.dual_order = dual;
+    return spec;
+}
+
+Result<codec::RasterFile> open_relief(const std::string& path, std::uint64_t max_bytes) {
+    RELIEF_TRY(std::vector<std::uint8_t> bytes, io::read_file(path, max_bytes));
+    std::error_code error;
+    const std::uint64_t on_disk = std::filesystem::file_size(path, error);
+    const std::uint64_t size = error ? bytes.size() : on_disk;
+    auto file = codec::RasterFile::open(std::move(bytes), size);
+    if (file.ok()) return file;
+    Error located = file.error();
+    located.where = located.where.empty() ? path : path + ", " + located.where;
+    return located;
+}
+
+Result<Raster> read_any_raster(const std::string& path, const Globals& globals) {
+    switch (io::recognise(path)) {
+        case io::FileKind::Relief: {
+            RELIEF_TRY(const codec::RasterFile file, open_relief(path));
+            return file.decode(0);
+        }
+        case io::FileKind::Mesh:
+            return Error{ErrorCode::Unsupported, "is a mesh; this version reads rasters", path};
+        case io::FileKind::Points:
+            return Error{ErrorCode::Unsupported, "holds scattered points; this version reads rasters", path};
+        default:
+            return io::read_raster(path, {.progress = progress_bar(globals, "reading")});
+    }
+}
+
+PlaceMap::PlaceMap(const GeoReference& geo) {
+    // Sample (i, j) has its centre at column j + 1/2, row i + 1/2 of the transform.
+    const std::array<double, 6> t = geo.transform.value_or(std::array<double, 6>{-0.5, 1, 0, -0.5, 0, 1});
+    origin[0] = t[0] + 0.5 * t[1] + 0.5 * t[2];
+    origin[1] = t[3] + 0.5 * t[4] + 0.5 * t[5];
+    forward[0][0] = t[1];
+    forward[0][1] = t[2];
+    forward[1][0] = t[4];
+    forward[1][1] = t[5];
+    const double determinant = t[1] * t[5] - t[2] * t[4];
+    inverse[0][0] = t[5] / determinant;
+    inverse[0][1] = -t[2] / determinant;
+    inverse[1][0] = -t[4] / determinant;
+    inverse[1][1] = t[1] / determinant;
+}
+
+void PlaceMap::to_lattice(double x, double y, double& i, double& j) const {
+    const double dx = x - origin[0];
+    const double dy = y - origin[1];
+    j = inverse[0][0] * dx + inverse[0][1] * dy;
+    i = inverse[1][0] * dx + inverse[1][1] * dy;
+}
+
+void PlaceMap::to_place(double i, double j, double& x, double& y) const {
+    x = origin[0] + forward[0][0] * j + forward[0][1] * i;
+    y = origin[1] + forward[1][0] * j + forward[1][1] * i;
+}
+
+}  // namespace relief::cli

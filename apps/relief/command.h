@@ -1,0 +1,110 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "relief/codec/raster_codec.h"
+#include "relief/core/raster.h"
+#include "relief/core/result.h"
+
+/// What all verbs of the command line program share.
+namespace relief::cli {
+
+using Json = nlohmann::ordered_json;
+
+/// Options before or after the verb.
+struct Globals {
+    bool json = false;
+    bool quiet = false;
+    bool verbose = false;
+    int threads = 0;
+};
+
+/// What a verb has to say: as JSON for programs, as text for people. Text that is data (CSV) is printed with -q too.
+struct Outcome {
+    Json json = Json::object();
+    std::string text;
+    bool text_is_data = false;
+};
+
+using Run = std::function<Result<Outcome>()>;
+
+/// A program with verbs; each verb's file adds itself.
+struct Program {
+    CLI::App app;
+    Globals globals;
+    Run chosen;
+    std::string verb;
+};
+
+/// Adds a verb with its description, an example for --help, and the common options; `run` is called after parsing.
+CLI::App* add_verb(Program& program, const std::string& name, const std::string& description, const std::string& examples,
+                   Run run);
+
+void add_encode(Program& program);
+void add_decode(Program& program);
+void add_info(Program& program);
+void add_compare(Program& program);
+void add_eval(Program& program);
+void add_edit(Program& program);
+void add_render(Program& program);
+void add_sample(Program& program);
+
+/// A bar on standard error, on a terminal only, unless quiet; cancels on Ctrl-C.
+[[nodiscard]] Progress progress_bar(const Globals& globals, std::string what);
+/// Ctrl-C and termination ask the running verb to stop, so that it leaves nothing behind.
+void stop_on_interrupt();
+
+/// Numbers for people: about 6 significant digits.
+[[nodiscard]] std::string shown(double value);
+/// 1234567 -> "1 234 567".
+[[nodiscard]] std::string grouped(std::int64_t value);
+/// JSON has no NaN or infinity: null.
+[[nodiscard]] Json json_number(double value);
+
+/// Seconds since construction.
+class Stopwatch {
+  public:
+    Stopwatch();
+    [[nodiscard]] double seconds() const;
+
+  private:
+    double start_;
+};
+
+/// Options that choose a scheme.
+struct SchemeOptions {
+    std::string scheme = "box";
+    int order = 2;
+    int levels = -1;
+    std::string family = "compact";
+    int dual = 0;
+    std::string map = "interpolate";
+
+    void add_to(CLI::App& app);
+    [[nodiscard]] Result<multires::SchemeSpec> spec() const;
+};
+
+/// Opens a .relief file or its first `max_bytes` bytes.
+[[nodiscard]] Result<codec::RasterFile> open_relief(const std::string& path, std::uint64_t max_bytes = UINT64_MAX);
+
+/// Reads a raster of any kind: .relief files are decoded. Meshes and points are refused with the reason.
+[[nodiscard]] Result<Raster> read_any_raster(const std::string& path, const Globals& globals);
+
+/// From a place in data units to lattice coordinates (i, j), and what one lattice step is in data units.
+/// Without a geotransform x is the column and y the row.
+struct PlaceMap {
+    explicit PlaceMap(const GeoReference& geo);
+
+    double origin[2];      ///< place of lattice point (0, 0)
+    double forward[2][2];  ///< d(x, y) / d(j, i)
+    double inverse[2][2];  ///< d(j, i) / d(x, y)
+
+    void to_lattice(double x, double y, double& i, double& j) const;
+    void to_place(double i, double j, double& x, double& y) const;
+};
+
+}  // namespace relief::cli

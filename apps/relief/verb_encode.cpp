@@ -1,0 +1,108 @@
+#include <fmt/format.h>
+
+#include "command.h"
+#include "relief/io/file.h"
+
+namespace relief::cli {
+
+namespace {
+
+struct Encode {
+    std::string in;
+    std::string out;
+    SchemeOptions scheme;
+    std::optional<double> max_error, rms_error, keep, bytes;
+    bool lossless = false;
+    int effort = 1;
+    std::string profile = "dense";
+};
+
+Result<codec::Goal> goal_of(const Encode& options) {
+    using Kind = codec::Goal::Kind;
+    if (options.max_error) return codec::Goal{Kind::MaxError, *options.max_error};
+    if (options.rms_error) return codec::Goal{Kind::RmsError, *options.rms_error};
+    if (options.keep) return codec::Goal{Kind::Keep, *options.keep};
+    if (options.bytes) return codec::Goal{Kind::Bytes, *options.bytes};
+    return codec::Goal{Kind::Lossless, 0};
+}
+
+std::string text_of(const Encode& options, const codec::EncodeReport& report, const Raster& raster) {
+    const std::string unit = raster.unit.empty() ? "" : " " + raster.unit;
+    std::string text = fmt::format(
+        "{}: {} x {} samples -> {} bytes, {:.4g} bits a sample\n"
+        "scheme {} order {}, {} levels, {} of {} coefficients kept\n"
+        "max error {}{}, rms error {}{}, error energy {:.4g} %\n",
+        options.out, raster.cols, raster.rows, grouped(static_cast<std::int64_t>(report.bytes)), report.bits_per_sample,
+        multires::scheme_name(report.spec.id), report.spec.order, report.spec.levels, grouped(report.kept),
+        grouped(report.coefficients), shown(report.max_error), unit, shown(report.rms_error), unit, report.energy_percent);
+    if (options.max_error)
+        text += fmt::format("bound {}{} verified at every valid sample\n", shown(report.bound), unit);
+    return text;
+}
+
+Json json_of(const codec::EncodeReport& report, double seconds) {
+    return Json{{"scheme", multires::scheme_name(report.spec.id)},
+                {"order", report.spec.order},
+                {"levels", report.spec.levels},
+                {"samples", report.samples},
+                {"coefficients", report.coefficients},
+                {"kept", report.kept},
+                {"bytes", report.bytes},
+                {"bits_per_sample", report.bits_per_sample},
+                {"max_error", report.max_error},
+                {"rms_error", report.rms_error},
+                {"energy_percent", report.energy_percent},
+                {"bound", report.bound},
+                {"corrected", report.corrected},
+                {"seconds", seconds}};
+}
+
+Result<Outcome> run(const Encode& options, const Globals& globals) {
+    const Stopwatch watch;
+    codec::EncodeOptions encode;
+    RELIEF_TRY(encode.spec, options.scheme.spec());
+    RELIEF_TRY(encode.goal, goal_of(options));
+    encode.effort = static_cast<codec::Effort>(options.effort);
+    encode.progress = progress_bar(globals, "encoding");
+    RELIEF_TRY(const Raster raster, read_any_raster(options.in, globals));
+    const auto encoded = codec::encode_raster(raster, encode);
+    if (!encoded.ok()) {
+        Error located = encoded.error();
+        if (located.code != ErrorCode::InvalidArgument)
+            located.where = located.where.empty() ? options.in : options.in + ", " + located.where;
+        return located;
+    }
+    RELIEF_CHECK(io::write_file_atomically(options.out, encoded->bytes));
+    Outcome outcome;
+    outcome.json = json_of(encoded->report, watch.seconds());
+    outcome.text = text_of(options, encoded->report, raster);
+    return outcome;
+}
+
+}  // namespace
+
+void add_encode(Program& program) {
+    auto options = std::make_shared<Encode>();
+    CLI::App* verb = add_verb(program, "encode", "Turn a raster into a .relief file: analyse, choose coefficients, code.",
+                              "  relief encode dem.tif dem.relief --max-error 0.5\n"
+                              "  relief encode dem.tif dem.relief --rms-error 1 --scheme barycentric --order 2\n"
+                              "  relief encode dem.tif small.relief --bytes 20000 --json",
+                              [options, &program] { return run(*options, program.globals); });
+    verb->add_option("IN", options->in, "a raster of any format GDAL reads, 1 to 4 bands")->required();
+    verb->add_option("OUT", options->out, "the .relief file")->required();
+    options->scheme.add_to(*verb);
+    CLI::Option_group* goal = verb->add_option_group("Goal", "one of these; without one the file is lossless");
+    goal->add_option("--max-error", options->max_error, "largest error of any sample, in data units; verified");
+    goal->add_option("--rms-error", options->rms_error, "largest root mean square error, in data units");
+    goal->add_option("--keep", options->keep, "only threshold: keep this many coefficients, in per cent of the samples");
+    goal->add_option("--bytes", options->bytes, "largest size of the file");
+    goal->add_flag("--lossless", options->lossless, "every sample exactly (default)");
+    goal->require_option(0, 1);
+    verb->add_option("--effort", options->effort,
+                     "0: weighted selection, 1: and least squares (default), 2: and reselection")
+        ->check(CLI::Range(0, 2));
+    verb->add_option("--profile", options->profile, "dense (default); fast is accepted and coded as dense for now")
+        ->check(CLI::IsMember({"fast", "dense"}));
+}
+
+}  // namespace relief::cli
