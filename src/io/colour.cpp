@@ -84,7 +84,7 @@ Ramp tabulate(Colour colour) {
 }
 
 const Light& look_up(const Ramp& ramp, double t) {
-    return ramp[static_cast<std::size_t>(std::lround(std::clamp(t, -1.0, 1.0) * kArm) + kArm)];
+    return ramp[static_cast<std::size_t>(std::lround((std::clamp(t, -1.0, 1.0) + 1) * kArm))];
 }
 
 }  // namespace

@@ -149,7 +149,8 @@ bool in_type(double value, SampleType type) {
 /// A value of an integer type that no sample has: an end of the range, or beside the samples, or
 /// between them.
 std::optional<double> free_value(const Raster& raster, SampleType type) {
-    const auto [low, high] = sample_range(type);
+    const double low = sample_range(type).first;
+    const double high = sample_range(type).second;
     const bool small = high - low <= 65535;
     std::vector<bool> used(small ? static_cast<std::size_t>(high - low) + 1 : 0);
     double smallest = high;
