@@ -1,6 +1,7 @@
 #include <cstdlib>
 
 #include "io/scratch.h"
+#include "relief/io/file.h"
 #include "relief/io/raster.h"
 
 namespace relief::io {
@@ -8,7 +9,8 @@ namespace {
 
 using DemoDem = Scratch;
 
-constexpr const char* kScript = RELIEF_TEST_DATA "/../../tools/demo_dem.py";
+const std::string kScript =
+    std::filesystem::path(RELIEF_TEST_DATA).parent_path().parent_path() / "tools/demo_dem.py";
 constexpr const char* kArchive =
     "/usr/share/matplotlib/mpl-data/sample_data/jacksboro_fault_dem.npz";
 
@@ -16,7 +18,7 @@ TEST_F(DemoDem, WritesTheModelNorthUp) {
     if (!std::filesystem::exists(kArchive) ||
         std::system("/usr/bin/python3 -c 'import numpy, osgeo' 2>/dev/null") != 0)
         GTEST_SKIP() << "needs python3-numpy, python3-gdal and python-matplotlib-data";
-    const std::string command = std::string(kScript) + " " + path("sub/demo.tif");
+    const std::string command = kScript + " " + path("sub/demo.tif");
     ASSERT_EQ(std::system(command.c_str()), 0);
     ASSERT_EQ(std::system(command.c_str()), 0);  // again over its own output
     const auto raster = read_raster(path("sub/demo.tif"));
@@ -48,9 +50,15 @@ TEST_F(DemoDem, WritesTheModelNorthUp) {
 }
 
 TEST_F(DemoDem, SaysWhatIsMissing) {
-    const std::string command = std::string(kScript) + " --source " + path("none.npz") + " " +
-                                path("demo.tif") + " 2>" + path("message");
+    const std::string command = kScript + " --source " + path("none.npz") + " " + path("demo.tif") +
+                                " 2>" + path("message");
     EXPECT_NE(std::system(command.c_str()), 0);
+    const auto message = read_file(path("message"));
+    ASSERT_TRUE(message.ok());
+    const std::string text(message->begin(), message->end());
+    EXPECT_NE(text.find("install it: apt-get install python3-numpy python3-gdal"),
+              std::string::npos)
+        << text;
     EXPECT_EQ(files(), Names{"message"});
 }
 
