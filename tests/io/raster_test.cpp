@@ -410,6 +410,10 @@ TEST_F(RasterTest, UnusableOutputsAreExplainedAndLeaveNothing) {
     options.driver = "Nonsense";
     EXPECT_EQ(write_raster(path("a.tif"), raster, options).error().code,
               ErrorCode::InvalidArgument);
+    options = {};
+    options.creation_options = {"COMPRESS"};
+    EXPECT_EQ(write_raster(path("a.tif"), raster, options).error().message,
+              "the creation option 'COMPRESS' is not NAME=VALUE");
     Raster wrong = flat(SampleType::Int16, {1, 2});
     wrong.rows = 2;
     EXPECT_EQ(write_raster(path("a.tif"), wrong).error().message,
