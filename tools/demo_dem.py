@@ -1,8 +1,9 @@
 #!/usr/bin/python3
 """Writes the elevation model of the demonstration as a GeoTIFF.
 
-The model is Jacksboro fault, Tennessee (SRTM, public domain), which Debian's package python-matplotlib-data carries
-as a NumPy archive: int16 heights in metres, row 0 in the north, with its extent in degrees.
+The model is Jacksboro fault, Tennessee (SRTM, public domain), which Debian's package
+python-matplotlib-data carries as a NumPy archive: int16 heights in metres, row 0 in the north,
+with its extent in degrees.
 """
 
 import argparse
@@ -39,7 +40,7 @@ def write_geotiff(heights, transform, path):
 
 
 def main():
-    parser = argparse.ArgumentParser(description="Writes the elevation model of the demonstration as a GeoTIFF.")
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("output", help="the GeoTIFF to write")
     parser.add_argument("--source", default=SOURCE, help="the NumPy archive (default: %(default)s)")
     arguments = parser.parse_args()

@@ -71,20 +71,19 @@ constexpr Oklab kBlue = {0.42, -0.034, -0.126};
 constexpr Oklab kRed = {0.42, 0.135, 0.078};
 constexpr Oklab kNeutral = {0.97, 0, 0};
 
-constexpr int kArm = 1024;
+constexpr std::size_t kArm = 1024;
 using Ramp = std::array<Light, 2 * kArm + 1>;
 
 template <class Colour>
 Ramp tabulate(Colour colour) {
     Ramp ramp;
-    for (int k = -kArm; k <= kArm; ++k)
-        ramp[static_cast<std::size_t>(k + kArm)] =
-            light_from(colour(static_cast<double>(k) / kArm));
+    for (std::size_t k = 0; k < ramp.size(); ++k)
+        ramp[k] = light_from(colour(static_cast<double>(k) / kArm - 1));
     return ramp;
 }
 
 const Light& look_up(const Ramp& ramp, double t) {
-    return ramp[static_cast<std::size_t>(std::lround(std::clamp(t, -1.0, 1.0) * kArm) + kArm)];
+    return ramp[static_cast<std::size_t>(std::lround((std::clamp(t, -1.0, 1.0) + 1) * kArm))];
 }
 
 }  // namespace

@@ -91,6 +91,14 @@ GDALDriverH driver_for_extension(const std::string& extension) {
     return nullptr;
 }
 
+Status check_options(const WriteOptions& options, const std::string& path) {
+    for (const std::string& option : options.creation_options)
+        if (option.find('=') == std::string::npos)
+            return Error{ErrorCode::InvalidArgument,
+                         fmt::format("the creation option '{}' is not NAME=VALUE", option), path};
+    return {};
+}
+
 Result<GDALDriverH> choose_driver(const std::string& path, const WriteOptions& options) {
     const auto wrong = [&](std::string message) {
         return Error{ErrorCode::InvalidArgument, std::move(message), path};
@@ -149,7 +157,8 @@ bool in_type(double value, SampleType type) {
 /// A value of an integer type that no sample has: an end of the range, or beside the samples, or
 /// between them.
 std::optional<double> free_value(const Raster& raster, SampleType type) {
-    const auto [low, high] = sample_range(type);
+    const double low = sample_range(type).first;
+    const double high = sample_range(type).second;
     const bool small = high - low <= 65535;
     std::vector<bool> used(small ? static_cast<std::size_t>(high - low) + 1 : 0);
     double smallest = high;
@@ -273,7 +282,6 @@ CPLStringList creation_options(const Raster& raster, SampleType type, GDALDriver
     }
     for (const std::string& option : options.creation_options) {
         const std::size_t equals = option.find('=');
-        if (equals == std::string::npos) continue;
         list.SetNameValue(option.substr(0, equals).c_str(), option.substr(equals + 1).c_str());
     }
     return list;
@@ -330,6 +338,7 @@ std::vector<std::string> stale_side_files(const std::string& path, const std::st
 Status write_raster(const std::string& path, const Raster& raster, const WriteOptions& options) {
     const GdalScope gdal;
     RELIEF_CHECK(check(raster, path));
+    RELIEF_CHECK(check_options(options, path));
     RELIEF_TRY(GDALDriverH driver, choose_driver(path, options));
     RELIEF_TRY(const SampleType type, choose_type(raster, driver, path));
     RELIEF_TRY(const HoleCode code, choose_hole_code(raster, type, driver, path));

@@ -190,8 +190,7 @@ TEST_F(RasterTest, AHoleInOneBandIsAHoleInAll) {
 }
 
 TEST_F(RasterTest, ValidSamplesNeverReadAsNodata) {
-    rc::check([this](std::uint8_t type_index, std::int16_t nodata,
-                     std::vector<std::int16_t> values) {
+    rc::check([](std::uint8_t type_index, std::int16_t nodata, std::vector<std::int16_t> values) {
         const SampleType type = kTypes[type_index % 7];
         std::vector<double> row = {
             kNaN, double(nodata), nodata + 0.25, nodata - 0.25, nodata * (1 + 1e-7), 1e300, -1e300};
@@ -411,6 +410,10 @@ TEST_F(RasterTest, UnusableOutputsAreExplainedAndLeaveNothing) {
     options.driver = "Nonsense";
     EXPECT_EQ(write_raster(path("a.tif"), raster, options).error().code,
               ErrorCode::InvalidArgument);
+    options = {};
+    options.creation_options = {"COMPRESS"};
+    EXPECT_EQ(write_raster(path("a.tif"), raster, options).error().message,
+              "the creation option 'COMPRESS' is not NAME=VALUE");
     Raster wrong = flat(SampleType::Int16, {1, 2});
     wrong.rows = 2;
     EXPECT_EQ(write_raster(path("a.tif"), wrong).error().message,

@@ -45,10 +45,11 @@ struct PictureOptions {
 /// level surface. Complexity: O(samples).
 [[nodiscard]] double auto_exaggeration(Heights z, Mask mask, CellSize cell);
 
-/// Brightness 0 .. 1 of a matt surface: the cosine between normal and light, 0 where it faces away. Slopes by
-/// Horn's 3 x 3 differences; beside borders and holes by differences of the neighbours there are on each axis (none:
-/// level), so that a plane is exact there too. Holes are NaN. Multidirectional: weights sin^2(aspect - azimuth) / 2,
-/// after Mark (USGS OFR 92-422). Complexity: O(samples), in parallel.
+/// Brightness 0 .. 1 of a matt surface: the cosine between normal and light, 0 where it faces away.
+/// Slopes by Horn's 3 x 3 differences; beside borders and holes by differences of the neighbours
+/// there are on each axis (none: level), so that a plane is exact there too. Holes are NaN.
+/// Multidirectional: weights sin^2(aspect - azimuth) / 2, after Mark (USGS OFR 92-422). Complexity:
+/// O(samples), in parallel.
 [[nodiscard]] Grid<double> illumination(Heights z, Mask mask, CellSize cell,
                                         const LightOptions& light = {});
 

@@ -28,7 +28,7 @@ struct ReadOptions {
 struct WriteOptions {
     Progress progress = {};
     std::string driver = {};  ///< GDAL's short name; empty: by the extension, .tif being GTiff
-    std::vector<std::string> creation_options = {};  ///< "NAME=VALUE", before our own defaults
+    std::vector<std::string> creation_options = {};  ///< "NAME=VALUE", in place of our defaults
 };
 
 /// Writes a raster; it appears under its name, with its side files, only when complete. Samples are
@@ -37,8 +37,8 @@ struct WriteOptions {
 /// raster.nodata if the type holds it, else as NaN (floats) or as a value that no sample has
 /// (integers), else through a mask band (GeoTIFF). GeoTIFF defaults: DEFLATE, predictor, tiles,
 /// BigTIFF when needed. Same bytes for any thread count. Errors: InvalidArgument (planes of
-/// different sizes, unknown extension or driver, format without write support or without a fitting
-/// type), CannotWrite, Cancelled.
+/// different sizes, unknown extension, driver or creation option syntax, format without write
+/// support or without a fitting type), CannotWrite, Cancelled.
 [[nodiscard]] Status write_raster(const std::string& path, const Raster& raster,
                                   const WriteOptions& options = {});
 

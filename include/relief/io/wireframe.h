@@ -50,7 +50,8 @@ struct ViewOptions {
     double altitude = 35;       ///< of the viewer, degrees above the horizon
     double field_of_view = 25;  ///< degrees; 0: parallel projection
     HoleStyle background = HoleStyle::Grey;  ///< Grey: white paper; Transparent: four channels
-    LightOptions light = {};                 ///< exaggeration not used
+    LightOptions light =
+        {};  ///< vertical_exaggeration is for wireframe(); draw_sheets draws points as they are
 };
 
 /// Draws layers with hidden surfaces removed, anti-aliased. Lines lie on their own surface. Sheets
