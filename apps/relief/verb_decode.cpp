@@ -142,7 +142,8 @@ Result<Outcome> run(const Decode& options, const Globals& globals) {
     }
     describe(file, options.level, raster);
     RELIEF_CHECK(io::write_raster(options.out, raster, {.progress = progress_bar(globals, "writing")}));
-    const auto bound = options.scale == 1 ? file.bound(options.level) : std::nullopt;
+    std::optional<double> bound;
+    if (options.scale == 1) bound = file.bound(options.level);
     Outcome outcome;
     outcome.json = Json{{"samples", raster.rows * raster.cols},
                         {"bytes_read", file.bytes_for(options.level)},

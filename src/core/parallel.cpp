@@ -5,6 +5,7 @@
 #include <thread>
 
 #if RELIEF_HAS_TBB
+#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 #endif
@@ -34,6 +35,9 @@ void parallel_for_blocks(std::int64_t begin, std::int64_t end, std::int64_t grai
     };
 #if RELIEF_HAS_TBB
     if (blocks > 1 && thread_count() > 1) {
+        // More threads than cores are allowed: tests ask for them.
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                        static_cast<std::size_t>(thread_count()));
         tbb::task_arena arena(thread_count());
         arena.execute([&] { tbb::parallel_for(std::int64_t{0}, blocks, block, tbb::simple_partitioner()); });
         return;
