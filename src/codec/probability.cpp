@@ -17,7 +17,8 @@ constexpr std::uint16_t squash(std::int32_t odds) {
     const std::uint32_t knot = std::min<std::uint32_t>(size / kKnotStep, kSquashKnots.size() - 2);
     const std::uint32_t part = size - knot * kKnotStep;
     const std::uint32_t value =
-        (kSquashKnots[knot] * (kKnotStep - part) + kSquashKnots[knot + 1] * part + kKnotStep / 2) / kKnotStep;
+        (kSquashKnots[knot] * (kKnotStep - part) + kSquashKnots[knot + 1] * part + kKnotStep / 2) /
+        kKnotStep;
     return static_cast<std::uint16_t>(odds < 0 ? 65536 - value : value);
 }
 
@@ -31,12 +32,12 @@ constexpr OddsTables make_tables() {
         tables.stretch[p] = static_cast<std::int16_t>(odds);
     }
     for (std::uint32_t n = 0; n < 256; ++n)
-        tables.rate[n] = static_cast<std::uint16_t>(std::min(655360 / (10 * n + 16), std::uint32_t{32767}));
+        tables.rate[n] =
+            static_cast<std::uint16_t>(std::min(655360 / (10 * n + 16), std::uint32_t{32767}));
     return tables;
 }
 
 }  // namespace
-
 
 constinit const OddsTables kOdds = make_tables();
 

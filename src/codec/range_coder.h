@@ -1,18 +1,21 @@
 #pragma once
 
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
 
-/// Binary range coder: an interval [low, low + range) of 64-bit fractions is cut in proportion to the probability
-/// of each decision. Probabilities have 16 bits; `one` is that of the decision being 1, times 65536, in 1 .. 65535.
-/// Integer arithmetic only, so every machine decodes the same. docs/format.md, "Range coder".
+/// Binary range coder: an interval [low, low + range) of 64-bit fractions is cut in proportion to
+/// the probability of each decision. Probabilities have 16 bits; `one` is that of the decision
+/// being 1, times 65536, in 1 .. 65535. Integer arithmetic only, so every machine decodes the same.
+/// docs/format.md, "Range coder".
 ///
-/// Encoder and decoder have the same members, so that one function template describes a format for both:
-/// code(bit, one) returns the bit that was coded, which for the decoder does not depend on its argument.
+/// Encoder and decoder have the same members, so that one function template describes a format for
+/// both: code(bit, one) returns the bit that was coded, which for the decoder does not depend on
+/// its argument.
 namespace relief::codec {
 
 class RangeEncoder {
@@ -31,7 +34,7 @@ class RangeEncoder {
         return bit;
     }
 
-    /// The low `count` <= 32 bits of value, each with probability one half.
+    /// A value of `count` <= 16 bits, each with probability one half.
     std::uint32_t code_raw(std::uint32_t value, int count) {
         range_ >>= count;
         advance(range_ * value);
@@ -39,8 +42,8 @@ class RangeEncoder {
         return value;
     }
 
-    /// Writes the shortest byte string that decodes, the decoder reading zeros behind it, and returns all bytes.
-    /// The encoder must not be used afterwards.
+    /// Writes the shortest byte string that decodes, the decoder reading zeros behind it, and
+    /// returns all bytes. The encoder must not be used afterwards.
     std::vector<std::uint8_t> finish() {
         const std::uint64_t tail = std::bit_floor(range_) - 1;
         advance(tail);
@@ -55,8 +58,8 @@ class RangeEncoder {
         if (low_ < step) carry();
     }
 
-    /// Adds one to the number whose digits are the bytes written. Never runs off the front: low + range never
-    /// exceeds the first interval.
+    /// Adds one to the number whose digits are the bytes written. Never runs off the front: low +
+    /// range never exceeds the first interval.
     void carry() {
         std::size_t k = bytes_.size();
         while (++bytes_[--k] == 0) {
@@ -134,6 +137,25 @@ class RangeDecoder {
     std::size_t consumed_ = 0;
     std::uint64_t offset_ = 0;  ///< of the code value from the encoder's low
     std::uint64_t range_ = ~std::uint64_t{0};
+};
+
+/// Adds up what the decisions would cost.
+class CostCounter {
+  public:
+    static constexpr bool kDecodes = false;
+
+    bool code(bool bit, std::uint32_t one) {
+        bits_ -= std::log2(static_cast<double>(bit ? one : 65536 - one) / 65536);
+        return bit;
+    }
+    std::uint32_t code_raw(std::uint32_t value, int count) {
+        bits_ += count;
+        return value;
+    }
+    [[nodiscard]] double bits() const { return bits_; }
+
+  private:
+    double bits_ = 0;
 };
 
 }  // namespace relief::codec
