@@ -31,7 +31,7 @@ constexpr OddsTables make_tables() {
         while (odds < kOddsLimit && squash(odds) < 16 * p + 8) ++odds;
         tables.stretch[p] = static_cast<std::int16_t>(odds);
     }
-    for (std::uint32_t n = 0; n < 256; ++n)
+    for (std::uint32_t n = 0; n < 1024; ++n)
         tables.rate[n] =
             static_cast<std::uint16_t>(std::min(655360 / (10 * n + 16), std::uint32_t{32767}));
     return tables;

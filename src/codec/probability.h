@@ -16,7 +16,7 @@ struct OddsTables {
     std::array<std::uint16_t, 2 * kOddsLimit + 1>
         squash;                              ///< of odds + kOddsLimit: the probability times 65536
     std::array<std::int16_t, 4096> stretch;  ///< of the probability times 4096: the odds
-    std::array<std::uint16_t, 256> rate;     ///< of visits n: 65536 / (n + 1.6), at most 32767
+    std::array<std::uint16_t, 1024> rate;    ///< of visits n: 65536 / (n + 1.6), at most 32767
 };
 extern const OddsTables kOdds;
 
@@ -27,7 +27,7 @@ inline std::uint32_t codable(std::uint32_t one) {
 
 /// The probability that a decision in one context is 1, estimated at two speeds.
 struct Slot {
-    static constexpr std::uint16_t kSlowLimit = 255;
+    static constexpr std::uint16_t kSlowLimit = 1023;
     static constexpr std::uint16_t kFastLimit = 30;
 
     std::uint32_t slow = std::uint32_t{1} << 31;  ///< times 2^32
@@ -66,8 +66,12 @@ struct MixWeights {
     /// error: 65536 times what the probability missed. Steps of odds * error / 2^14 at first, /
     /// 2^17 in the end.
     void update(const std::array<std::int32_t, kInputs>& odds, std::int32_t error) {
-        const int shift = visits < 128 ? 14 : visits < 1024 ? 15 : visits < 8192 ? 16 : 17;
-        visits = std::min(visits + 1, 8192);
+        const int shift = visits < 128     ? 14
+                          : visits < 1024  ? 15
+                          : visits < 8192  ? 16
+                          : visits < 65536 ? 17
+                                           : 18;
+        visits = std::min(visits + 1, 65536);
         for (std::size_t k = 0; k < kInputs; ++k) {
             const std::int32_t step = (odds[k] * error + (1 << (shift - 1))) >> shift;
             weights[k] = std::clamp(weights[k] + step, -kLargest, kLargest);
@@ -127,7 +131,7 @@ bool code_mixed(Coder& coder, bool bit, const std::array<Slot*, kSets>& slots,
     const std::int32_t target = bit ? 65535 : 0;
     mix.update(odds, target - static_cast<std::int32_t>(predicted));
     std::uint16_t& nearest = around[part >= kStep / 2];
-    nearest = static_cast<std::uint16_t>(nearest + ((target - std::int32_t{nearest}) >> 6));
+    nearest = static_cast<std::uint16_t>(nearest + ((target - std::int32_t{nearest} + 32) >> 6));
     for (Slot* slot : slots) slot->update(bit);
     return bit;
 }
