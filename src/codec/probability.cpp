@@ -24,14 +24,14 @@ constexpr std::uint16_t squash(std::int32_t odds) {
 
 constexpr OddsTables make_tables() {
     OddsTables tables{};
-    for (std::int32_t odds = -kOddsLimit; odds <= kOddsLimit; ++odds)
-        tables.squash[static_cast<std::size_t>(odds + kOddsLimit)] = squash(odds);
+    for (std::size_t k = 0; k < tables.squash.size(); ++k)
+        tables.squash[k] = squash(static_cast<std::int32_t>(k) - kOddsLimit);
     std::int32_t odds = -kOddsLimit;
     for (std::uint32_t p = 0; p < 4096; ++p) {
         while (odds < kOddsLimit && squash(odds) < 16 * p + 8) ++odds;
         tables.stretch[p] = static_cast<std::int16_t>(odds);
     }
-    for (std::uint32_t n = 0; n < 1024; ++n)
+    for (std::uint32_t n = 0; n < tables.rate.size(); ++n)
         tables.rate[n] =
             static_cast<std::uint16_t>(std::min(655360 / (10 * n + 16), std::uint32_t{32767}));
     return tables;

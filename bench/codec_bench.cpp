@@ -1,0 +1,66 @@
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <random>
+
+#include "relief/codec/band_coder.h"
+
+/// MB/s of the coefficients as float32, one thread, three bands of 256 x 256: a level of a 512 x
+/// 512 tile.
+namespace relief::codec {
+namespace {
+
+constexpr std::int64_t kSide = 256;
+
+/// Laplacian values whose scale changes smoothly from place to place, as details of terrain do.
+struct LaplacianLevel {
+    std::vector<Grid<std::int32_t>> grids;
+    std::vector<BandView> bands;
+
+    explicit LaplacianLevel(double scale) {
+        std::mt19937 engine(1);
+        for (int k = 0; k < 3; ++k) {
+            Grid<std::int32_t>& grid = grids.emplace_back(kSide, kSide);
+            for (std::int64_t r = 0; r < kSide; ++r)
+                for (std::int64_t c = 0; c < kSide; ++c) {
+                    const double u = (engine() + 0.5) / 4294967296.0 - 0.5;
+                    const double here = std::sin(0.04 * static_cast<double>(r)) *
+                                        std::cos(0.03 * static_cast<double>(c));
+                    const double size =
+                        -scale * std::exp(1.5 * here) * std::log(1 - 2 * std::abs(u));
+                    grid(r, c) =
+                        static_cast<std::int32_t>(std::copysign(std::floor(size + 0.4), u));
+                }
+            bands.push_back({{0, 0, kSide, kSide}, grid.view(), false});
+        }
+    }
+};
+
+constexpr double kSamples = 3 * kSide * kSide;
+
+void report(benchmark::State& state, std::size_t bytes) {
+    state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(4 * kSamples));
+    state.counters["bits/sample"] = 8 * static_cast<double>(bytes) / kSamples;
+}
+
+/// The argument is the scale in thousandths of a step: about 0.5, 1 and 3 bits a sample.
+void encode_bands(benchmark::State& state) {
+    const LaplacianLevel level(static_cast<double>(state.range(0)) / 1000);
+    std::size_t bytes = 0;
+    for (auto _ : state) bytes = encode_level(level.bands, {}).size();
+    report(state, bytes);
+}
+
+void decode_bands(benchmark::State& state) {
+    LaplacianLevel level(static_cast<double>(state.range(0)) / 1000);
+    const std::vector<std::uint8_t> bytes = encode_level(level.bands, {});
+    for (auto _ : state)
+        if (!decode_level(bytes, level.bands, {}).ok()) state.SkipWithError("does not decode");
+    report(state, bytes.size());
+}
+
+BENCHMARK(encode_bands)->Arg(150)->Arg(300)->Arg(1700)->Unit(benchmark::kMillisecond);
+BENCHMARK(decode_bands)->Arg(150)->Arg(300)->Arg(1700)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace relief::codec
