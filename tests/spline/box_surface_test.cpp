@@ -5,6 +5,7 @@
 
 #include "relief/core/parallel.h"
 #include "relief/core/simd.h"
+#include "relief/spline/lattice_filters.h"
 #include "spline/spline_testing.h"
 
 namespace relief::spline {
@@ -57,7 +58,8 @@ TEST(BoxSurface, GoldenJets) {
             const double j = data["points"][k][1].get<double>() + 2 * period_cols;
             const SurfaceJet<double> jet = surface.jet(i, j);
             const double quantities[] = {jet.value, jet.di, jet.dj, jet.dii, jet.dij, jet.djj};
-            const auto expected = data["d" + std::to_string(d)][k].get<std::vector<double>>();
+            const auto expected =
+                data[std::string("d").append(std::to_string(d))][k].get<std::vector<double>>();
             for (std::size_t q = 0; q < expected.size(); ++q)
                 EXPECT_NEAR(quantities[q], expected[q], tolerances[q])
                     << "order " << d << ", quantity " << q;
@@ -237,6 +239,30 @@ TEST(BoxSurface, ExchangingTheAxesTransposesTheSurface) {
         RC_ASSERT(std::abs(a.dij - b.dij) < 1e-11);
         RC_ASSERT(std::abs(a.djj - b.dii) < 1e-11);
     }));
+}
+
+/// The example of docs/evaluation.md.
+Status enlarge(const Grid<double>& samples, SurfaceJet<double>& found, Grid<double>& result) {
+    Grid<double> coefficients(samples.rows(), samples.cols());
+    RELIEF_CHECK(interpolate_lattice<double>(2, samples.view(), coefficients.view()));
+    RELIEF_TRY(const auto surface, BoxSurface<double>::create(coefficients.view(), 2));
+    const SurfaceJet<double> jet = surface.jet(10.25, 7.5);  // value, di, dj, dii, dij, djj
+    Grid<double> enlarged(4 * samples.rows() - 3, 4 * samples.cols() - 3);
+    surface.evaluate_grid(0, 0.25, 0, 0.25, enlarged.view());
+    found = jet;
+    result = std::move(enlarged);
+    return {};
+}
+
+TEST(BoxSurface, EnlargementPassesThroughTheSamples) {
+    const Grid<double> samples = noise<double>(20, 15, 13);
+    SurfaceJet<double> jet;
+    Grid<double> enlarged;
+    ASSERT_TRUE(enlarge(samples, jet, enlarged).ok());
+    for (std::int64_t r = 0; r < samples.rows(); ++r)
+        for (std::int64_t c = 0; c < samples.cols(); ++c)
+            EXPECT_NEAR(enlarged(4 * r, 4 * c), samples(r, c), 1e-14);
+    EXPECT_NEAR(enlarged(41, 30), jet.value, 1e-14);
 }
 
 TEST(BoxSurface, WrongCallsAreRefused) {

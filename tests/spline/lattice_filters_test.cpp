@@ -163,6 +163,20 @@ TEST(LatticeFilter, QuasiInterpolantOfOrderTwoIsTheSpecifiedStencil) {
                         1e-15);
 }
 
+TEST(LatticeFilter, QuasiInterpolantIsTheTruncatedNeumannSeriesAcrossTilesAndBorders) {
+    for (int d = 1; d <= kMaxOrder; ++d) {
+        const Grid<double> f = noise<double>(150, 1100, 3);
+        Grid<double> c = f.clone();
+        for (int m = 1; m < d; ++m) {
+            const Grid<double> sampled_c = sample(d, c);
+            for (std::int64_t r = 0; r < f.rows(); ++r)
+                for (std::int64_t q = 0; q < f.cols(); ++q) c(r, q) += f(r, q) - sampled_c(r, q);
+        }
+        // Sums of up to 37 products of size 8.
+        EXPECT_LE(largest_difference(quasi(d, f), c), 1e-14);
+    }
+}
+
 TEST(LatticeFilter, QuasiInterpolationReproducesPolynomials) {
     for (int d = 1; d <= kMaxOrder; ++d) {
         for (int a = 0; a <= 2 * d - 1; ++a) {
