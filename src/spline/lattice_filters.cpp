@@ -40,15 +40,25 @@ void copy_rows(const GridView<const T>& in, const GridView<T>& out) {
     });
 }
 
-/// out(r, c) = sum of weight * in(r + i, c + j) for row r; the taps must be readable.
+/// Enough for the largest mask, the Gram mask of order 4 with 169 taps, and one row more.
+constexpr int kMaxTaps = 170;
+
+/// Appends the taps of weight * in(r + i, c + j); all of them must be readable. Returns their end.
+template <class T>
+RowTap<T>* mask_taps(const std::vector<MaskTap>& mask, const GridView<T>& in, std::int64_t r,
+                     RowTap<T>* taps) {
+    for (const MaskTap& tap : mask)
+        *taps++ = {in.row(r + tap.i) + tap.j, static_cast<T>(tap.weight)};
+    return taps;
+}
+
+/// out[c] = sum of weight * in(r + i, c + j).
 template <class T>
 void correlate_row(const std::vector<MaskTap>& mask, const GridView<T>& in, std::int64_t r, T* out,
                    std::int64_t cols) {
-    RowTap<T> taps[256];
-    int count = 0;
-    for (const MaskTap& tap : mask)
-        taps[count++] = {in.row(r + tap.i) + tap.j, static_cast<T>(tap.weight)};
-    row_fir(out, cols, taps, count);
+    RowTap<T> taps[kMaxTaps];
+    const auto count = mask_taps(mask, in, r, taps) - taps;
+    row_fir(out, cols, taps, static_cast<int>(count));
 }
 
 /// Rows first .. last - 1 of `in` in the middle of a grid whose ring and remaining rows are zero.
@@ -110,13 +120,11 @@ class Tiling {
 template <class T>
 void add_correlation(const GridView<T>& base, T base_weight, const std::vector<MaskTap>& mask,
                      const GridView<T>& in, const GridView<T>& out) {
-    RowTap<T> taps[256];
+    RowTap<T> taps[kMaxTaps];
     for (std::int64_t r = 0; r < out.rows; ++r) {
-        int count = 0;
-        taps[count++] = {base.row(r), base_weight};
-        for (const MaskTap& tap : mask)
-            taps[count++] = {in.row(r + tap.i) + tap.j, static_cast<T>(tap.weight)};
-        row_fir(out.row(r), out.cols, taps, count);
+        taps[0] = {base.row(r), base_weight};
+        const auto count = mask_taps(mask, in, r, taps + 1) - taps;
+        row_fir(out.row(r), out.cols, taps, static_cast<int>(count));
     }
 }
 

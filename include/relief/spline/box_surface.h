@@ -58,9 +58,9 @@ class BoxSurface {
                                   const JetSpans<T>& out) const;
 
     /// out(r, c) = value at (i0 + r di, j0 + c dj); any real steps, also negative. If a small
-    /// multiple of dj is a whole number columns repeat the same stencils, which are then applied as
-    /// filters: faster, and equal to `jet` only up to rounding (8 ulp of the largest coefficient
-    /// nearby). Complexity: O(out).
+    /// multiple of dj is a whole number, columns repeat the same stencils, which are then applied
+    /// as filters: faster, and equal to `jet` only up to the rounding of values and positions.
+    /// Complexity: O(out).
     void evaluate_grid(double i0, double di, double j0, double dj, GridView<T> out) const;
 
   private:

@@ -27,11 +27,11 @@ template <class T>
 [[nodiscard]] Status sample_lattice_adjoint(int order, GridView<const T> residuals,
                                             GridView<T> out);
 
-/// Solves B coefficients = samples. The relative residual, largest component over largest
-/// component, is below 1e-14 in double and 1e-6 in float. Solved by restarted Chebyshev iteration
-/// in T; every step starts from the residual, so rounding errors of earlier steps are corrected.
-/// Complexity: 32, 72, 168 (double) or 16, 40, 88 (float) applications of B for orders 2, 3, 4; one
-/// temporary grid.
+/// Solves B coefficients = samples. The residual |samples - B c| stays below 4 eps max |c|: for
+/// orders 2 and 3 below 1e-14 (double) and 1e-6 (float) of the largest sample; order 4 reaches
+/// 2e-14 and 3e-6 on white noise, whose coefficients are up to 50 times as large. Chebyshev cycles
+/// in T, each from the residual of the one before. Complexity: 40, 88, 200 (double) or 24, 40, 96
+/// (float) applications of B for orders 2, 3, 4; one temporary grid.
 template <class T>
 [[nodiscard]] Status interpolate_lattice(int order, GridView<const T> samples,
                                          GridView<T> coefficients);
