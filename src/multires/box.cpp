@@ -8,7 +8,6 @@
 #include "multires/box_factors.h"
 #include "multires/box_level.h"
 #include "multires/box_rules.h"
-#include "relief/core/parallel.h"
 
 namespace relief::multires::box {
 
@@ -97,46 +96,6 @@ void coarse_to_fine(const Pyramid<T>& pyramid, int component, int target, GridVi
             level == target + 1 ? out : workspace.grid(level % 2, lattice.rows, lattice.cols);
         step(level, coarse, fine);
         coarse = fine;
-    }
-}
-
-/// Transposed padding and splitting: fine points to vertices and edges, zeros on a padded line.
-template <class T>
-void split_planes(GridView<const T> fine, GridView<T> vertices, const EdgePlanes<T>& edges) {
-    const auto coset = [&](GridView<T> plane, Offset o, std::int64_t i) {
-        const std::int64_t row = 2 * i + o.row;
-        for (std::int64_t j = 0; j < plane.cols; ++j) {
-            const std::int64_t col = 2 * j + o.col;
-            plane(i, j) = row < fine.rows && col < fine.cols ? fine(row, col) : T(0);
-        }
-    };
-    parallel_for(0, vertices.rows, 64, [&](std::int64_t first, std::int64_t last) {
-        for (std::int64_t i = first; i < last; ++i) {
-            coset(vertices, {0, 0}, i);
-            for (std::size_t kind = 0; kind < edges.size(); ++kind)
-                if (i < edges[kind].rows) coset(edges[kind], kStep[kind], i);
-        }
-    });
-}
-
-template <class T>
-void transpose_level(int order, const UpdateFactors& factors, GridView<const T> fine,
-                     GridView<T> vertices, const EdgePlanes<T>& edges) {
-    const Lattice lattice = {vertices.rows, vertices.cols};
-    split_planes(fine, vertices, edges);
-    if (rules(order).has_vertex_step) spread_vertices<T>(order, lattice, vertices, edges);
-    collect_edges<T>(order, lattice, {edges[0], edges[1], edges[2]}, vertices);
-    for (int kind = 0; kind < kEdgeKinds; ++kind) {
-        const GridView<T>& plane = edges[std::size_t(kind)];
-        parallel_for(0, plane.rows, 64, [&](std::int64_t first, std::int64_t last) {
-            Buffer<T> targets(static_cast<std::size_t>(plane.cols));
-            for (std::int64_t i = first; i < last; ++i) {
-                collect_targets<T>(order, vertices, kind, i, plane.cols, targets.data());
-                factors.scale_row(kind, i, targets.data());
-                for (std::int64_t j = 0; j < plane.cols; ++j)
-                    plane(i, j) -= targets[std::size_t(j)];
-            }
-        });
     }
 }
 

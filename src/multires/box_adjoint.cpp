@@ -83,6 +83,23 @@ double opposite_weight(const Rules& rules, Lattice lattice, int kind, std::int64
     return lattice.is_border_edge(kind, i, j) ? 0 : rules.opposite;
 }
 
+/// Transposed padding and splitting: fine points to vertices and edges, zeros on a padded line.
+template <class T>
+void split_planes(GridView<const T> fine, GridView<T> vertices, const EdgePlanes<T>& edges) {
+    const auto coset = [&](GridView<T> plane, Offset o, std::int64_t i) {
+        const std::int64_t row = 2 * i + o.row;
+        for (std::int64_t j = 0; j < plane.cols; ++j) {
+            const std::int64_t col = 2 * j + o.col;
+            plane(i, j) = row < fine.rows && col < fine.cols ? fine(row, col) : T(0);
+        }
+    };
+    for_rows(vertices.rows, [&](std::int64_t i) {
+        coset(vertices, {0, 0}, i);
+        for (std::size_t kind = 0; kind < edges.size(); ++kind)
+            if (i < edges[kind].rows) coset(edges[kind], kStep[kind], i);
+    });
+}
+
 }  // namespace
 
 template <class T>
@@ -143,10 +160,33 @@ void collect_targets(int order, GridView<const T> vertices, int kind, std::int64
     });
 }
 
-#define RELIEF_INSTANTIATE(T)                                                             \
-    template void spread_vertices(int, Lattice, GridView<const T>, const EdgePlanes<T>&); \
-    template void collect_edges(int, Lattice, const EdgePlanes<const T>&, GridView<T>);   \
-    template void collect_targets(int, GridView<const T>, int, std::int64_t, std::int64_t, T*);
+template <class T>
+void transpose_level(int order, const UpdateFactors& factors, GridView<const T> fine,
+                     GridView<T> vertices, const EdgePlanes<T>& edges) {
+    const Lattice lattice = {vertices.rows, vertices.cols};
+    split_planes(fine, vertices, edges);
+    if (rules(order).has_vertex_step) spread_vertices<T>(order, lattice, vertices, edges);
+    collect_edges<T>(order, lattice, {edges[0], edges[1], edges[2]}, vertices);
+    for (int kind = 0; kind < kEdgeKinds; ++kind) {
+        const GridView<T>& plane = edges[std::size_t(kind)];
+        parallel_for(0, plane.rows, kRowsPerBlock, [&](std::int64_t first, std::int64_t last) {
+            Buffer<T> targets(static_cast<std::size_t>(plane.cols));
+            for (std::int64_t i = first; i < last; ++i) {
+                collect_targets<T>(order, vertices, kind, i, plane.cols, targets.data());
+                factors.scale_row(kind, i, targets.data());
+                for (std::int64_t j = 0; j < plane.cols; ++j)
+                    plane(i, j) -= targets[std::size_t(j)];
+            }
+        });
+    }
+}
+
+#define RELIEF_INSTANTIATE(T)                                                                   \
+    template void spread_vertices(int, Lattice, GridView<const T>, const EdgePlanes<T>&);       \
+    template void collect_edges(int, Lattice, const EdgePlanes<const T>&, GridView<T>);         \
+    template void collect_targets(int, GridView<const T>, int, std::int64_t, std::int64_t, T*); \
+    template void transpose_level(int, const UpdateFactors&, GridView<const T>, GridView<T>,    \
+                                  const EdgePlanes<T>&);
 RELIEF_INSTANTIATE(float)
 RELIEF_INSTANTIATE(double)
 #undef RELIEF_INSTANTIATE

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "multires/box_factors.h"
 #include "multires/box_rules.h"
 #include "relief/core/grid.h"
 
@@ -29,5 +30,10 @@ void collect_edges(int order, Lattice lattice, const EdgePlanes<const T>& edges,
 template <class T>
 void collect_targets(int order, GridView<const T> vertices, int kind, std::int64_t row,
                      std::int64_t n, T* sums);
+
+/// The transpose of synthesise_level: fine residuals to vertices and edges of its sizes.
+template <class T>
+void transpose_level(int order, const UpdateFactors& factors, GridView<const T> fine,
+                     GridView<T> vertices, const EdgePlanes<T>& edges);
 
 }  // namespace relief::multires::box

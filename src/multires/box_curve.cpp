@@ -64,11 +64,6 @@ void spread_and_collect(const Rules& rules, Line<T> vertices, Line<T> edges) {
     }
 }
 
-/// Longest table: enough for a constant middle, see the surface's tables.
-std::int64_t table_size(std::int64_t n) {
-    return n <= 21 ? n : 20 + n % 2;
-}
-
 /// The integrals of the next coarser level in `integrals`; returns the factors between the two
 /// levels.
 CurveFactors coarsen_integrals(const Rules& rules, std::vector<double>& integrals) {

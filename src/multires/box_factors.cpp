@@ -10,13 +10,6 @@ namespace relief::multires::box {
 
 namespace {
 
-/// Integrals differ from their constant in at most 3 coarse lines from a border, factors in at most
-/// 5 edges: a coarse table of 11 lines has a constant middle. 20 and 21 are the fine sizes of
-/// either parity that lead to 11.
-std::int64_t table_size(std::int64_t n) {
-    return n <= 21 ? n : 20 + n % 2;
-}
-
 /// One level's integrals, fine (edges) and then coarse (vertices).
 struct Integrals {
     Grid<double> vertices;

@@ -9,6 +9,13 @@
 
 namespace relief::multires::box {
 
+/// Lines of a fine table that stands for n lines. Integrals differ from their constant in at most 3
+/// coarse lines from a border, factors in at most 5 edges, so that a coarse table of 11 lines has a
+/// constant middle; 20 and 21 are the fine sizes of either parity that lead to 11.
+constexpr std::int64_t table_size(std::int64_t n) {
+    return n <= 21 ? n : 20 + n % 2;
+}
+
 /// The index into a table of `table` entries that stands for index k of n; the table's middle entry
 /// stands for all that are far from both ends. The identity if table == n. Requires table <= n.
 constexpr std::int64_t table_index(std::int64_t k, std::int64_t n, std::int64_t table) {

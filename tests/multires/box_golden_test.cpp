@@ -7,7 +7,8 @@ namespace {
 constexpr double kTolerance = 1e-12;
 
 TEST(BoxGolden, Box) {
-    for (const auto& entry : golden()["lifting_box"]) {
+    const auto vectors = golden();
+    for (const auto& entry : vectors["lifting_box"]) {
         const auto input = grid_of(entry["input"].get<Rows>());
         SCOPED_TRACE(std::to_string(input.rows()) + " x " + std::to_string(input.cols()));
         const double tolerance = kTolerance * largest(input);
@@ -37,7 +38,8 @@ TEST(BoxGolden, Box) {
 
 /// The interior rules: in the middle of a box, periodic data have the coefficients of the torus.
 TEST(BoxGolden, TorusInTheMiddleOfABox) {
-    for (const auto& entry : golden()["lifting_torus"]) {
+    const auto vectors = golden();
+    for (const auto& entry : vectors["lifting_torus"]) {
         const auto period = grid_of(entry["input"].get<Rows>());
         const auto tiled = grid_from<double>(129, 129, [&](std::int64_t i, std::int64_t j) {
             return period(i % period.rows(), j % period.cols());
