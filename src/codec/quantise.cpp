@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "relief/core/parallel.h"
 
@@ -42,7 +43,7 @@ Quantised quantise_with(const Pyramid<double>& pyramid, double rounding, StepOf 
         const double largest = largest_magnitude(pyramid.bands[k]);
         const double wanted = std::max(step_of(k, largest), largest / kLargestValue);
         // A float that is not below the wanted step keeps the values in range.
-        float step = static_cast<float>(wanted);
+        float step = static_cast<float>(std::min(wanted, double{std::numeric_limits<float>::max()}));
         if (step < wanted) step = std::nextafter(step, INFINITY);
         if (!(step > 0)) step = 1;
         std::vector<Grid<std::int32_t>> planes;

@@ -243,7 +243,7 @@ class Encoder {
 
     Result<Candidate> search_bytes() {
         const double goal = options_.goal.value;
-        Candidate nothing = evaluated(quantise(pyramid_, 1e250, kDeadZoneRounding));
+        Candidate nothing = evaluated(quantise(pyramid_, unit_above_all(), kDeadZoneRounding));
         const std::uint64_t least = size_of(nothing);
         if (static_cast<double>(least) > goal)
             return Error{ErrorCode::InvalidArgument,
@@ -258,6 +258,18 @@ class Encoder {
                             [&](const Candidate& candidate) { return static_cast<double>(size_of(candidate)) / goal; });
         if (!found.ok() && found.error().code != ErrorCode::Cancelled) return nothing;
         return found;
+    }
+
+    /// A unit at which every coefficient is quantised to zero.
+    [[nodiscard]] double unit_above_all() const {
+        double unit = 1e-290;
+        for (std::size_t k = 0; k < pyramid_.bands.size(); ++k)
+            for (const Grid<double>& plane : pyramid_.bands[k])
+                for (std::int64_t r = 0; r < plane.rows(); ++r)
+                    for (std::int64_t c = 0; c < plane.cols(); ++c)
+                        unit = std::max(unit, 4 * std::abs(plane(r, c)) *
+                                                  band_norm(pyramid_.layout.bands[k], Metric::Samples));
+        return unit;
     }
 
     /// The unit whose file with corrections is smallest, by a golden-section-like walk over factors of the bound.

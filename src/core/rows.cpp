@@ -47,6 +47,13 @@ void fir(T* HWY_RESTRICT out, std::int64_t n, const RowTap<T>* taps, int count) 
         hn::StoreU(s2, d, out + k + 2 * lanes);
         hn::StoreU(s3, d, out + k + 3 * lanes);
     }
+    for (; k + lanes <= n; k += lanes) {
+        auto sum = hn::LoadU(d, kAdd ? out + k : taps[0].row + k);
+        if (!kAdd) sum = hn::Mul(hn::Set(d, taps[0].weight), sum);
+        for (int t = first; t < count; ++t)
+            sum = hn::Add(sum, hn::Mul(hn::Set(d, taps[t].weight), hn::LoadU(d, taps[t].row + k)));
+        hn::StoreU(sum, d, out + k);
+    }
     for (; k < n; ++k) {
         T sum = kAdd ? out[k] : taps[0].weight * taps[0].row[k];
         for (int t = first; t < count; ++t) sum = sum + taps[t].weight * taps[t].row[k];

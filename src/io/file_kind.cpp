@@ -25,7 +25,7 @@ bool is_one_of(std::string_view text, std::initializer_list<std::string_view> li
 
 FileKind by_content(std::string_view head) {
     using namespace std::string_view_literals;
-    if (head.starts_with("\x8BRELIEF"sv)) return FileKind::Relief;
+    if (head.starts_with("RELIEF\x89"sv)) return FileKind::Relief;
     const std::string_view first_word = head.substr(0, head.find_first_of(" \t\r\n"sv));
     if (first_word == "ply" || head.starts_with("glTF"sv)) return FileKind::Mesh;
     if (is_one_of(first_word, {"OFF", "COFF", "NOFF", "STOFF", "CNOFF"})) return FileKind::Mesh;

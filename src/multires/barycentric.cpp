@@ -11,6 +11,9 @@ namespace relief::multires::barycentric {
 namespace {
 
 constexpr int kMostLevels = 24;
+/// By default a further level must leave at most a third of the scaling coefficients: where the border ring is most of what
+/// there is, its extrapolated values cost more than they describe.
+constexpr std::int64_t kLeastReduction = 3;
 
 /// First and number of coarse x with [2x + k0, 2x + k1] meeting [lo, hi].
 std::pair<std::int64_t, std::int64_t> reaching(std::int64_t lo, std::int64_t hi, std::int64_t k0, std::int64_t k1) {
@@ -98,7 +101,7 @@ Result<PyramidLayout> layout(const SchemeSpec& spec, std::int64_t rows, std::int
     LatticeBox fine{0, 0, rows, cols};
     while (static_cast<int>(levels.size()) < (spec.levels < 0 ? kMostLevels : spec.levels)) {
         const auto boxes = channel_boxes(bank, fine);
-        if (spec.levels < 0 && boxes[0].count() >= fine.count()) break;
+        if (spec.levels < 0 && boxes[0].count() * (levels.empty() ? 1 : kLeastReduction) >= fine.count()) break;
         levels.push_back(boxes);
         fine = boxes[0];
     }

@@ -495,7 +495,7 @@ TEST_F(RasterTest, FileKindsAreRecognisedByContentThenExtension) {
         std::ofstream(path(name), std::ios::binary) << content;
         return recognise(path(name));
     };
-    EXPECT_EQ(kind("a.tif", "\x8BRELIEF\x1A"), FileKind::Relief);
+    EXPECT_EQ(kind("a.tif", "RELIEF\x89\r\n\x1A"), FileKind::Relief);
     EXPECT_EQ(kind("a.dat", "ply\nformat ascii 1.0\n"), FileKind::Mesh);
     EXPECT_EQ(kind("b.dat", "OFF 3 1 0\n"), FileKind::Mesh);
     EXPECT_EQ(kind("a.obj", "v 0 0 0\n"), FileKind::Mesh);

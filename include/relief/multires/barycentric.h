@@ -13,7 +13,7 @@
 namespace relief::multires::barycentric {
 
 /// Bands "aaa" of the coarsest level, then "aab" .. "bbb" of each level, coarsest first. Norms are left at 1.
-/// levels -1: as long as the number of scaling coefficients falls.
+/// levels -1: one if it makes the number of scaling coefficients fall, more as long as each leaves at most a third.
 [[nodiscard]] Result<PyramidLayout> layout(const SchemeSpec& spec, std::int64_t rows, std::int64_t cols,
                                            int components);
 

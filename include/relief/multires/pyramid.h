@@ -36,7 +36,7 @@ struct SchemeSpec {
     int order = 2;                             ///< d: 1 linear C0, 2 quartic C2, 3 degree 7 C4, 4 degree 10 C6
     Family family = Family::Compact;           ///< barycentric only
     int dual_order = 0;                        ///< barycentric compact only; 0: the same as order
-    int levels = -1;                           ///< -1: as many as make the number of coefficients fall
+    int levels = -1;                           ///< -1: as many as are useful for the size
     DataMap data_map = DataMap::Interpolate;
 
     friend bool operator==(const SchemeSpec&, const SchemeSpec&) = default;
