@@ -4,7 +4,7 @@
 #include <string>
 
 #include "codec/corrections.h"
-#include "codec/fill.h"
+#include "relief/codec/fill.h"
 #include "codec/level_chunks.h"
 #include "codec/raster_header.h"
 #include "relief/codec/container.h"
