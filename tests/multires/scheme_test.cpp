@@ -95,8 +95,8 @@ TEST(Scheme, LevelsSampleTheSameSurface) {
             for (std::int64_t r = 4; r < coarse[0].rows() - 4; ++r)
                 for (std::int64_t c = 4; c < coarse[0].cols() - 4; ++c)
                     // Chords 4 samples long miss a wave of 0.1 radians a sample by (0.4)^2 / 8 = 0.02; samples taken for
-                    // coefficients are smoothed by less.
-                    EXPECT_NEAR(coarse[0](r, c), data(r * step, c * step), 0.03) << name_of(spec) << " level " << level;
+                    // coefficients are smoothed, at order 3 by half the variance 1/2 of M_333 times (0.4)^2 + (0.32)^2.
+                    EXPECT_NEAR(coarse[0](r, c), data(r * step, c * step), 0.07) << name_of(spec) << " level " << level;
         }
     }
 }
