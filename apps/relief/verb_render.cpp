@@ -26,11 +26,16 @@ struct Render {
     double altitude = 45;
     double scale = 0;
     bool multidirectional = false;
+    std::string caption;
 };
 
-io::Mask mask_of(const Raster& raster) { return raster.mask.empty() ? io::Mask{} : raster.mask.view(); }
+io::Mask mask_of(const Raster& raster) {
+    return raster.mask.empty() ? io::Mask{} : raster.mask.view();
+}
 
-bool is_parametric(const Raster& raster) { return raster.planes.size() == 3; }
+bool is_parametric(const Raster& raster) {
+    return raster.planes.size() == 3;
+}
 
 int picture_width(const Render& options, const Raster& raster) {
     if (options.width > 0) return options.width;
@@ -44,46 +49,58 @@ io::LightOptions light_of(const Render& options) {
             .multidirectional = options.multidirectional};
 }
 
-/// A three-band raster as the surface in space it is, with its grid lines.
-io::Image draw_parametric(const Raster& raster, int width) {
-    const io::Sheet sheet = io::point_sheet(raster.planes[0].view(), raster.planes[1].view(), raster.planes[2].view(), mask_of(raster));
+/// A three-band raster as the surface in space it is, with about `lines` grid lines each way.
+io::Image draw_parametric(const Raster& raster, int width, int lines) {
+    const io::Sheet sheet = io::point_sheet(raster.planes[0].view(), raster.planes[1].view(),
+                                            raster.planes[2].view(), mask_of(raster));
     io::SheetStyle style;
     style.fill = io::SheetFill::Paper;
-    style.line_every = static_cast<int>(std::max<std::int64_t>(1, std::max(raster.rows, raster.cols) / 60));
+    if (lines > 0)
+        style.line_every =
+            static_cast<int>(std::max<std::int64_t>(1, std::max(raster.rows, raster.cols) / lines));
     style.line_opacity = 0.5;
     const io::Layer layer{&sheet, style};
     return io::draw_sheets({&layer, 1}, {.width = width});
 }
 
-/// The surface with the control net of a level over it.
-Result<io::Image> draw_net(const Render& options, const codec::RasterFile& file, int level, const io::ViewOptions& view) {
+/// The surface of a level, finer details left out, at the raster's samples.
+Result<Raster> level_surface(const codec::RasterFile& file, int level) {
+    RELIEF_TRY(Raster raster, file.decode(0));
+    if (level == 0) return raster;
+    RELIEF_TRY(auto net, file.coefficients(level));
     const auto& layout = file.layout();
-    const int surface_level = std::max(0, level - 1);
-    RELIEF_TRY(const Raster surface, file.decode(surface_level));
-    RELIEF_TRY(const auto net, file.coefficients(level));
-    const io::CellSize cell = io::cell_size_metres(file.description().geo, layout.rows);
-    const auto sheet_of = [&](io::Heights z, io::Mask mask, int at, const LatticeBox& box, double exaggeration) {
-        const double step = std::ldexp(1.0, at);
-        return io::height_sheet(z, mask, {cell.x * step, cell.y * step}, exaggeration,
-                                {static_cast<double>(box.col0) * step * cell.x, static_cast<double>(box.row0) * step * cell.y});
-    };
-    const double coarse = std::ldexp(1.0, surface_level);
-    const double exaggeration =
-        options.exaggeration > 0
-            ? options.exaggeration
-            : io::auto_exaggeration(surface.planes[0].view(), mask_of(surface), {cell.x * coarse, cell.y * coarse});
+    raster.planes =
+        multires::samples_of(layout, multires::subdivide(layout, std::move(net), level, 0), 0);
+    return raster;
+}
+
+/// The surface of a level with its control net over it.
+io::Image draw_net(const Render& options, const Raster& surface,
+                   const multires::LevelCoefficients<double>& net, int level) {
+    const int width = options.width > 0 ? options.width : 1200;
+    const io::CellSize cell = io::cell_size_metres(surface.geo, surface.rows);
+    const io::Heights z = surface.planes[0].view();
+    const double exaggeration = options.exaggeration > 0
+                                    ? options.exaggeration
+                                    : io::auto_exaggeration(z, mask_of(surface), cell);
+    const std::int64_t every =
+        std::max<std::int64_t>(1, std::max(surface.rows, surface.cols) / width);
     const io::Sheet ground =
-        sheet_of(surface.planes[0].view(), mask_of(surface), surface_level, {0, 0, 0, 0}, exaggeration);
-    const io::Sheet lines = sheet_of(net.planes[0].view(), {}, level, net.box, exaggeration);
-    io::SheetStyle ground_style;
-    ground_style.fill = io::SheetFill::ByHeight;
+        io::height_sheet(z, mask_of(surface), cell, exaggeration, {0, 0}, every);
+    const double step = std::ldexp(1.0, level);
+    const io::Sheet lines =
+        io::height_sheet(net.planes[0].view(), {}, {cell.x * step, cell.y * step}, exaggeration,
+                         {static_cast<double>(net.box.col0) * step * cell.x,
+                          static_cast<double>(net.box.row0) * step * cell.y});
     io::SheetStyle line_style;
     line_style.fill = io::SheetFill::None;
     line_style.line_every = 1;
     line_style.line_colour = {150, 20, 30};
-    line_style.dot_radius = std::max(net.box.rows, net.box.cols) < 120 ? 2.5 : 0;
-    const io::Layer layers[] = {{&ground, ground_style}, {&lines, line_style}};
-    return io::draw_sheets(layers, view);
+    line_style.line_width = std::clamp(width / 1200.0, 0.6, 1.0);
+    line_style.dot_radius =
+        std::max(net.box.rows, net.box.cols) < width / 12 ? std::clamp(width / 480.0, 1.0, 2.5) : 0;
+    const io::Layer layers[] = {{&ground, {.fill = io::SheetFill::ByHeight}}, {&lines, line_style}};
+    return io::draw_sheets(layers, {.width = width, .light = light_of(options)});
 }
 
 Result<io::Image> draw(const Render& options, const Raster& raster, const Globals& globals) {
@@ -101,15 +118,18 @@ Result<io::Image> draw(const Render& options, const Raster& raster, const Global
         RELIEF_TRY(const Raster reference, read_any_raster(options.reference, globals));
         if (reference.rows != raster.rows || reference.cols != raster.cols)
             return Error{ErrorCode::BadInput,
-                         fmt::format("is {} x {}, the surface {} x {}", reference.cols, reference.rows, raster.cols, raster.rows),
+                         fmt::format("is {} x {}, the surface {} x {}", reference.cols,
+                                     reference.rows, raster.cols, raster.rows),
                          options.reference};
         return io::error_map(z, reference.planes.back().view(), mask_of(raster), cell,
                              {.scale = options.scale, .unit = raster.unit, .picture = picture});
     }
     if (options.style == "colour") return io::colour_by_height(z, mask_of(raster), cell, picture);
-    if (options.style == "wire") {
-        if (is_parametric(raster)) return draw_parametric(raster, width);
-        return io::wireframe(z, mask_of(raster), cell, {.width = width, .light = light_of(options)});
+    if (options.style == "wire" || options.style == "surface") {
+        const int lines = options.style == "wire" ? 60 : 0;
+        if (is_parametric(raster)) return draw_parametric(raster, width, lines);
+        return io::wireframe(z, mask_of(raster), cell, {.width = width, .light = light_of(options)},
+                             lines);
     }
     return io::hillshade(z, mask_of(raster), cell, picture);
 }
@@ -122,17 +142,18 @@ Result<Outcome> run(const Render& options, const Globals& globals) {
     if (options.level) {
         RELIEF_TRY(const codec::RasterFile file, open_relief(options.in));
         if (*options.level > file.layout().levels()) return file.decode(*options.level).error();
-        if (options.style == "wire" && file.layout().components == 1) {
-            const int width = options.width > 0 ? options.width : 1200;
-            RELIEF_TRY(image, draw_net(options, file, *options.level, {.width = width, .light = light_of(options)}));
+        RELIEF_TRY(const Raster raster, level_surface(file, *options.level));
+        if (options.style == "wire" && !is_parametric(raster)) {
+            RELIEF_TRY(const auto net, file.coefficients(*options.level));
+            image = draw_net(options, raster, net, *options.level);
         } else {
-            RELIEF_TRY(const Raster raster, file.decode(*options.level));
             RELIEF_TRY(image, draw(options, raster, globals));
         }
     } else {
         RELIEF_TRY(const Raster raster, read_any_raster(options.in, globals));
         RELIEF_TRY(image, draw(options, raster, globals));
     }
+    if (!options.caption.empty()) image = io::with_caption(image, options.caption);
     RELIEF_CHECK(io::write_png(options.out, image));
     Outcome outcome;
     outcome.json = Json{{"width", image.width}, {"height", image.height}};
@@ -144,26 +165,42 @@ Result<Outcome> run(const Render& options, const Globals& globals) {
 
 void add_render(Program& program) {
     auto options = std::make_shared<Render>();
-    CLI::App* verb = add_verb(program, "render", "Draw a raster or a .relief file as a PNG picture, without a screen.",
-                              "  relief render dem.relief hills.png --width 1200\n"
-                              "  relief render dem.relief error.png --style error --reference dem.tif\n"
-                              "  relief render dem.relief net.png --style wire --level 4",
-                              [options, &program] { return run(*options, program.globals); });
-    verb->add_option("IN", options->in, "a raster or a .relief file; three bands are drawn as a surface in space by wire")
+    CLI::App* verb = add_verb(
+        program, "render", "Draw a raster or a .relief file as a PNG picture, without a screen.",
+        "  relief render dem.relief hills.png --width 1200\n"
+        "  relief render dem.relief error.png --style error --reference dem.tif\n"
+        "  relief render dem.relief net.png --style wire --level 4",
+        [options, &program] { return run(*options, program.globals); });
+    verb->add_option("IN", options->in,
+                     "a raster or a .relief file; three bands are drawn as a surface in space by "
+                     "wire and surface")
         ->required();
     verb->add_option("OUT", options->out, "the .png file")->required();
-    verb->add_option("--width", options->width, "pixels across; default: the raster's columns, at least 800")
+    verb->add_option("--width", options->width,
+                     "pixels across; default: the raster's columns, at least 800")
         ->check(CLI::Range(16, 16384));
-    verb->add_option("--style", options->style, "hillshade (default), colour, wire, error")
-        ->check(CLI::IsMember({"hillshade", "colour", "wire", "error"}));
-    verb->add_option("--reference", options->reference, "what the error is measured against (error)");
-    verb->add_option("--drape", options->drape, "a PNG laid over the ground, stretched to the raster's extent");
-    verb->add_option("--level", options->level, "draw this level of a .relief file; with wire its control net");
-    verb->add_option("--scale", options->scale, "difference at the ends of the colours (error); default: the largest");
-    verb->add_option("--exaggeration", options->exaggeration, "vertical factor; default: from the mean slope");
-    verb->add_option("--azimuth", options->azimuth, "of the light, degrees clockwise from north (default 315)");
-    verb->add_option("--altitude", options->altitude, "of the light, degrees above the horizon (default 45)");
+    verb->add_option(
+            "--style", options->style,
+            "seen from above: hillshade (default), colour, error; in perspective: surface, wire")
+        ->check(CLI::IsMember({"hillshade", "colour", "error", "surface", "wire"}));
+    verb->add_option("--reference", options->reference,
+                     "what the error is measured against (error)");
+    verb->add_option("--drape", options->drape,
+                     "a PNG laid over the ground, stretched to the raster's extent");
+    verb->add_option(
+        "--level", options->level,
+        "draw the surface of this level of a .relief file; with wire its control net too");
+    verb->add_option("--scale", options->scale,
+                     "difference at the ends of the colours (error); default: the largest");
+    verb->add_option("--exaggeration", options->exaggeration,
+                     "vertical factor; default: from the mean slope");
+    verb->add_option("--azimuth", options->azimuth,
+                     "of the light, degrees clockwise from north (default 315)");
+    verb->add_option("--altitude", options->altitude,
+                     "of the light, degrees above the horizon (default 45)");
     verb->add_flag("--multidirectional", options->multidirectional, "four lights instead of one");
+    verb->add_option("--caption", options->caption,
+                     "a line of text below the picture: lower-case letters, digits, + - . , : / %");
 }
 
 }  // namespace relief::cli

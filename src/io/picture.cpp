@@ -155,16 +155,30 @@ Image colour_by_height(Heights z, Mask mask, CellSize cell, const PictureOptions
     return laid_out(std::move(image), cell, options.width);
 }
 
-Image drape(Heights z, Mask mask, CellSize cell, const Image& image, const PictureOptions& options) {
+Image drape(Heights z, Mask mask, CellSize cell, const Image& image,
+            const PictureOptions& options) {
     const Image stretched = resize(image, static_cast<int>(z.cols), static_cast<int>(z.rows));
     const Grid<double> light = illumination(z, mask, cell, options.light);
     const double level = std::sin(options.light.altitude * std::numbers::pi / 180);
     const auto valid = [&](std::int64_t r, std::int64_t c) { return !std::isnan(light(r, c)); };
     const auto colour = [&](std::int64_t r, std::int64_t c) {
         const std::uint8_t* pixel = stretched.pixel(static_cast<int>(r), static_cast<int>(c));
-        return detail::srgb_of(detail::lit(detail::light_of({pixel[0], pixel[1], pixel[2]}), light(r, c), level));
+        return detail::srgb_of(
+            detail::lit(detail::light_of({pixel[0], pixel[1], pixel[2]}), light(r, c), level));
     };
     return laid_out(paint(z, options.holes, valid, colour), cell, options.width);
+}
+
+Image with_caption(const Image& picture, std::string_view text) {
+    const int columns = std::max(1, detail::text_width(text, 1));
+    const int dot = std::clamp(picture.width * 3 / 4 / columns, 1, 4);
+    const int margin = 4 * dot;
+    Image out(picture.width, picture.height + 7 * dot + 2 * margin, picture.channels);
+    std::fill(out.pixels.begin(), out.pixels.end(), std::uint8_t{255});
+    std::copy(picture.pixels.begin(), picture.pixels.end(), out.pixels.begin());
+    const int left = (picture.width - detail::text_width(text, dot)) / 2;
+    detail::draw_text(out, text, picture.height + margin, left, dot, kInk);
+    return out;
 }
 
 Image error_map(Heights surface, Heights reference, Mask mask, CellSize cell,

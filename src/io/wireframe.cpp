@@ -136,11 +136,11 @@ Fit fit(std::span<const Layer> layers, const Camera& camera, int width) {
 /// Draws one sheet; all that depends on sheet and view is at hand.
 class SheetPainter {
   public:
-    SheetPainter(const Layer& layer, const Box& box, const Camera& camera, const Fit& fit,
+    SheetPainter(const Layer& layer, const Box& coloured, const Camera& camera, const Fit& fit,
                  const ViewOptions& view)
         : sheet_(*layer.sheet),
           style_(layer.style),
-          box_(box),
+          coloured_(coloured),
           camera_(camera),
           fit_(fit),
           sun_(direction(view.light.azimuth, view.light.altitude)),
@@ -215,11 +215,11 @@ class SheetPainter {
         // Both sides of a sheet are lit: the one that faces the viewer counts.
         const double side = dot(normal, viewer_) < 0 ? -1 : 1;
         const double cosine = length > 0 ? side * dot(normal, sun_) / length : sun_[2];
-        const double span = box_.high[2] - box_.low[2];
+        const double span = coloured_.high[2] - coloured_.low[2];
         const double z = at(k)[2];
-        double height = span > 0 ? (z - box_.low[2]) / span : 0.5;
-        if (box_.low[2] < 0 && box_.high[2] > 0)
-            height = z < 0 ? -z / box_.low[2] : z / box_.high[2];
+        double height = span > 0 ? (z - coloured_.low[2]) / span : 0.5;
+        if (coloured_.low[2] < 0 && coloured_.high[2] > 0)
+            height = z < 0 ? -z / coloured_.low[2] : z / coloured_.high[2];
         const Light paper = {0.92, 0.92, 0.92};
         const Light& base =
             style_.fill == SheetFill::ByHeight ? detail::height_light(height) : paper;
@@ -228,7 +228,7 @@ class SheetPainter {
 
     const Sheet& sheet_;
     const SheetStyle& style_;
-    const Box& box_;
+    const Box& coloured_;  ///< its heights span the height ramp
     const Camera& camera_;
     const Fit& fit_;
     Vec sun_;
@@ -238,16 +238,17 @@ class SheetPainter {
 }  // namespace
 
 Sheet height_sheet(Heights z, Mask mask, CellSize cell, double exaggeration,
-                   std::array<double, 2> origin) {
+                   std::array<double, 2> origin, std::int64_t every) {
+    const auto thinned = [&](std::int64_t n) { return (n + every - 1) / every; };
     Sheet sheet;
-    for (Grid<double>& plane : sheet.xyz) plane = Grid<double>(z.rows, z.cols);
-    if (mask.count() > 0) sheet.mask = Grid<std::uint8_t>(z.rows, z.cols);
-    for (std::int64_t r = 0; r < z.rows; ++r) {
-        for (std::int64_t c = 0; c < z.cols; ++c) {
-            sheet.xyz[0](r, c) = origin[0] + static_cast<double>(c) * cell.x;
-            sheet.xyz[1](r, c) = -origin[1] - static_cast<double>(r) * cell.y;
-            sheet.xyz[2](r, c) = z(r, c) * exaggeration;
-            if (mask.count() > 0) sheet.mask(r, c) = mask(r, c);
+    for (Grid<double>& plane : sheet.xyz) plane = Grid<double>(thinned(z.rows), thinned(z.cols));
+    if (mask.count() > 0) sheet.mask = Grid<std::uint8_t>(thinned(z.rows), thinned(z.cols));
+    for (std::int64_t r = 0; r < z.rows; r += every) {
+        for (std::int64_t c = 0; c < z.cols; c += every) {
+            sheet.xyz[0](r / every, c / every) = origin[0] + static_cast<double>(c) * cell.x;
+            sheet.xyz[1](r / every, c / every) = -origin[1] - static_cast<double>(r) * cell.y;
+            sheet.xyz[2](r / every, c / every) = z(r, c) * exaggeration;
+            if (mask.count() > 0) sheet.mask(r / every, c / every) = mask(r, c);
         }
     }
     return sheet;
@@ -264,39 +265,33 @@ Sheet point_sheet(Heights x, Heights y, Heights z, Mask mask) {
 
 Image draw_sheets(std::span<const Layer> layers, const ViewOptions& view) {
     Box box;
+    Box coloured;  // a net that overshoots must not squeeze the colours of the ground
     for (const Layer& layer : layers)
-        for_each_valid(*layer.sheet, [&](const Vec& p) { box.add(p); });
+        for_each_valid(*layer.sheet, [&](const Vec& p) {
+            box.add(p);
+            if (layer.style.fill != SheetFill::None) coloured.add(p);
+        });
     if (box.empty()) return {};
     const Camera camera(box, view);
     const Fit to_pixels = fit(layers, camera, std::max(view.width, 16));
     Canvas canvas(to_pixels.width, to_pixels.height);
     for (const Layer& layer : layers)
-        SheetPainter(layer, box, camera, to_pixels, view).fill(canvas);
+        SheetPainter(layer, coloured, camera, to_pixels, view).fill(canvas);
     for (const Layer& layer : layers)
-        SheetPainter(layer, box, camera, to_pixels, view).lines(canvas);
+        SheetPainter(layer, coloured, camera, to_pixels, view).lines(canvas);
     return canvas.image(view.background == HoleStyle::Transparent ? 4 : 3);
 }
 
-Image wireframe(Heights z, Mask mask, CellSize cell, const ViewOptions& view) {
+Image wireframe(Heights z, Mask mask, CellSize cell, const ViewOptions& view, int lines) {
     const std::int64_t longer = std::max(z.rows, z.cols);
     const std::int64_t step = std::max<std::int64_t>(1, longer / std::max(view.width, 16));
-    const auto thinned = [&](std::int64_t n) { return (n + step - 1) / step; };
-    Grid<double> heights(thinned(z.rows), thinned(z.cols));
-    Grid<std::uint8_t> valid(heights.rows(), heights.cols(), 1);
-    for (std::int64_t r = 0; r < heights.rows(); ++r) {
-        for (std::int64_t c = 0; c < heights.cols(); ++c) {
-            heights(r, c) = z(r * step, c * step);
-            if (mask.count() > 0) valid(r, c) = mask(r * step, c * step);
-        }
-    }
     const double exaggeration = view.light.vertical_exaggeration > 0
                                     ? view.light.vertical_exaggeration
                                     : auto_exaggeration(z, mask, cell);
-    const CellSize thin_cell = {cell.x * static_cast<double>(step),
-                                cell.y * static_cast<double>(step)};
-    const Sheet sheet = height_sheet(heights.view(), valid.view(), thin_cell, exaggeration);
+    const Sheet sheet = height_sheet(z, mask, cell, exaggeration, {0, 0}, step);
     SheetStyle style;
-    style.line_every = static_cast<int>(std::max<std::int64_t>(1, longer / step / 60));
+    if (lines > 0)
+        style.line_every = static_cast<int>(std::max<std::int64_t>(1, longer / step / lines));
     style.line_opacity = 0.5;
     const Layer layer = {&sheet, style};
     return draw_sheets({&layer, 1}, view);

@@ -220,6 +220,31 @@ TEST(Pictures, ErrorMapIsColouredByTheDifferenceAndExplained) {
     EXPECT_EQ(ink, 22 + 41 + 16 + 45 + 41 + 5 * 3);
 }
 
+TEST(Pictures, ACaptionStandsBelow) {
+    Image picture(80, 10, 3);
+    std::fill(picture.pixels.begin(), picture.pixels.end(), std::uint8_t{90});
+    const Image image = with_caption(picture, "il");
+    // Two characters of 11 dots would fit five pixels a dot; four is the largest.
+    ASSERT_EQ(image.width, 80);
+    ASSERT_EQ(image.height, 10 + 4 * (4 + 7 + 4));
+    for (std::size_t k = 0; k < picture.pixels.size(); ++k) ASSERT_EQ(image.pixels[k], 90);
+    std::string drawn;
+    for (int row = 0; row < 7; ++row) {
+        for (int dot = 0; dot < 11; ++dot)
+            drawn += at(image, 10 + 16 + 4 * row, 18 + 4 * dot) == Rgb{60, 60, 64} ? '#' : '.';
+        drawn += '\n';
+    }
+    EXPECT_EQ(drawn,
+              "..#....##..\n"
+              "........#..\n"
+              ".##.....#..\n"
+              "..#.....#..\n"
+              "..#.....#..\n"
+              "..#.....#..\n"
+              ".###...###.\n");
+    EXPECT_EQ(with_caption(picture, "").height, 10 + 4 * (4 + 7 + 4));
+}
+
 TEST(Resize, KeepsFlatColoursAndMeanLight) {
     rc::check([](std::uint8_t r, std::uint8_t g, std::uint8_t b) {
         Image image(9, 7, 3);
@@ -327,6 +352,32 @@ TEST(Wireframe, HiddenNetsShowFaintly) {
             }
         }
     EXPECT_GT(faint, 1000);
+}
+
+TEST(Wireframe, ANetAboveTheGroundLeavesItsColours) {
+    const Grid<double> ground = plane(9, 9, {1, 1}, 0.2, 0.1);
+    const Sheet surface = height_sheet(ground.view(), {}, {1, 1}, 1);
+    const Sheet net = height_sheet(Grid<double>(2, 2, 300.0).view(), {}, {1, 1}, 1, {3, 3});
+    const ViewOptions above{.width = 120, .altitude = 90, .field_of_view = 0};
+    const std::array<Layer, 2> both = {Layer{&surface}, Layer{&net, {.fill = SheetFill::None}}};
+    const Image alone = draw_sheets({both.data(), 1}, above);
+    const Image covered = draw_sheets(both, above);
+    ASSERT_EQ(covered.pixels.size(), alone.pixels.size());
+    int difference = 0;
+    for (std::size_t k = 0; k < alone.pixels.size(); ++k)
+        difference = std::max(difference, std::abs(covered.pixels[k] - alone.pixels[k]));
+    EXPECT_LE(difference, 2);  // the view's middle lies higher, which rounds positions differently
+}
+
+TEST(Wireframe, ThinnedSheetsLieOnTheSameGround) {
+    const Grid<double> ground = plane(11, 8, {2, 3}, 0.5, 0.25);
+    const Sheet all = height_sheet(ground.view(), {}, {2, 3}, 4, {10, 20});
+    const Sheet third = height_sheet(ground.view(), {}, {2, 3}, 4, {10, 20}, 3);
+    ASSERT_EQ(third.xyz[0].rows(), 4);
+    ASSERT_EQ(third.xyz[0].cols(), 3);
+    for (std::size_t k = 0; k < 3; ++k)
+        for (int r = 0; r < 4; ++r)
+            for (int c = 0; c < 3; ++c) EXPECT_EQ(third.xyz[k](r, c), all.xyz[k](3 * r, 3 * c));
 }
 
 TEST(Pictures, SameForAnyThreadCount) {

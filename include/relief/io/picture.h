@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "relief/core/grid.h"
@@ -75,9 +76,10 @@ enum class Shading : std::uint8_t { Flat, Shaded };
                                      const PictureOptions& options = {},
                                      Shading shading = Shading::Shaded);
 
-/// An image laid over the ground (a satellite picture, a map), stretched to the raster's extent and shaded by its relief.
-/// Requires: an image with pixels.
-[[nodiscard]] Image drape(Heights z, Mask mask, CellSize cell, const Image& image, const PictureOptions& options = {});
+/// An image laid over the ground (a satellite picture, a map), stretched to the raster's extent and
+/// shaded by its relief. Requires: an image with pixels.
+[[nodiscard]] Image drape(Heights z, Mask mask, CellSize cell, const Image& image,
+                          const PictureOptions& options = {});
 
 struct ErrorMapOptions {
     double scale = 0;  ///< difference at the ends of the ramp; 0: the largest one, rounded up to 1,
@@ -91,6 +93,11 @@ struct ErrorMapOptions {
 /// one size.
 [[nodiscard]] Image error_map(Heights surface, Heights reference, Mask mask, CellSize cell,
                               const ErrorMapOptions& options = {});
+
+/// The picture with a line of text below it, on white, as large as three quarters of the width
+/// allow. The built-in font has digits, lower-case letters and + - . , : / %; other characters are
+/// left out.
+[[nodiscard]] Image with_caption(const Image& picture, std::string_view text);
 
 /// Averages (down) or interpolates (up) in linear light to a new size. Alpha is respected.
 [[nodiscard]] Image resize(const Image& image, int width, int height);

@@ -15,11 +15,11 @@ struct Sheet {
     Grid<std::uint8_t> mask;  ///< empty: all valid
 };
 
-/// Heights over a plan, row 0 north, scaled by the exaggeration. Coarser nets of the same ground
-/// line up when their `origin` (column, row of their first sample) is given in metres. Complexity:
-/// O(samples).
+/// Heights over a plan, row 0 north, scaled by the exaggeration; `every` k-th row and column only.
+/// Coarser nets of the same ground line up when their `origin` (column, row of their first sample)
+/// is given in metres. Requires: every >= 1. Complexity: O(samples).
 [[nodiscard]] Sheet height_sheet(Heights z, Mask mask, CellSize cell, double exaggeration,
-                                 std::array<double, 2> origin = {0, 0});
+                                 std::array<double, 2> origin = {0, 0}, std::int64_t every = 1);
 
 /// A parametric surface. Requires: planes of one size. Complexity: O(samples).
 [[nodiscard]] Sheet point_sheet(Heights x, Heights y, Heights z, Mask mask);
@@ -54,13 +54,14 @@ struct ViewOptions {
         {};  ///< vertical_exaggeration is for wireframe(); draw_sheets draws points as they are
 };
 
-/// Draws layers with hidden surfaces removed, anti-aliased. Lines lie on their own surface. Sheets
-/// with more than about two samples a pixel should be thinned by the caller. An empty scene gives
-/// an empty picture. Complexity: O(samples + pixels).
+/// Draws layers with hidden surfaces removed, anti-aliased. Lines lie on their own surface; the
+/// height ramp spans all filled layers. Sheets with more than about two samples a pixel should be
+/// thinned by the caller. An empty scene gives an empty picture. Complexity: O(samples + pixels).
 [[nodiscard]] Image draw_sheets(std::span<const Layer> layers, const ViewOptions& view = {});
 
-/// One height field with its grid lines, at most about 60 each way, thinned to the picture's
-/// resolution.
-[[nodiscard]] Image wireframe(Heights z, Mask mask, CellSize cell, const ViewOptions& view = {});
+/// One height field with about `lines` of its grid lines each way (0: none), thinned to the
+/// picture's resolution.
+[[nodiscard]] Image wireframe(Heights z, Mask mask, CellSize cell, const ViewOptions& view = {},
+                              int lines = 60);
 
 }  // namespace relief::io
