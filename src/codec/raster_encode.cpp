@@ -412,7 +412,7 @@ class Encoder {
 
     /// What was written is decoded and compared: the bound is of the file, not of an intention.
     Status verify(const std::vector<std::uint8_t>& bytes, const Error2& expected) {
-        RELIEF_TRY(const RasterFile file, RasterFile::open(bytes, bytes.size()));
+        RELIEF_TRY(const RasterFile file, RasterFile::open(bytes));
         RELIEF_TRY(const Raster decoded, file.decode(0));
         const Error2 found = surface_error(raster_, decoded.planes);
         const bool over = effective_goal() == Kind::MaxError && found.max > options_.goal.value;
