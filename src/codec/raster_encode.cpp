@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "codec/corrections.h"
@@ -23,6 +24,10 @@ using multires::Planes;
 constexpr double kDeadZoneRounding = 0.45;
 /// A coefficient is worth refitting when its weighted magnitude is at least this part of the quantiser's unit.
 constexpr double kRefitThreshold = 0.55;
+/// Quantiser steps are floats and values have 31 bits: samples up to here leave room for what filters add.
+constexpr double kLargestSample = 1e45;
+/// Bounds below so many of a float type's steps may cost more than exactness.
+constexpr double kNearlyExact = 64;
 
 struct Error2 {
     double max = 0;
@@ -91,8 +96,8 @@ class Encoder {
         for (const Grid<double>& plane : raster_.planes)
             for (std::int64_t r = 0; r < raster_.rows; ++r)
                 for (std::int64_t c = 0; c < raster_.cols; ++c)
-                    if (raster_.valid(r, c) && !(std::abs(plane(r, c)) <= 1e300))
-                        return Error{ErrorCode::BadInput, "a valid sample is not a number or beyond 1e300; mark it as NODATA",
+                    if (raster_.valid(r, c) && !(std::abs(plane(r, c)) <= kLargestSample))
+                        return Error{ErrorCode::BadInput, "a valid sample is not a number or beyond 1e45; mark it as NODATA",
                                      "row " + std::to_string(r) + ", column " + std::to_string(c)};
         return {};
     }
@@ -106,25 +111,21 @@ class Encoder {
         return {};
     }
 
-    [[nodiscard]] Goal::Kind effective_goal() const {
-        // A bound of nothing is exactness, which quantising alone never promises.
-        const bool exact = options_.goal.value == 0 && (options_.goal.kind == Kind::MaxError || options_.goal.kind == Kind::RmsError);
-        return exact ? Kind::Lossless : options_.goal.kind;
-    }
-
     Result<Candidate> choose() {
-        switch (effective_goal()) {
+        const Goal& goal = options_.goal;
+        switch (goal.kind) {
             case Kind::Keep:
                 return keep();
-            case Kind::RmsError:
-                return search_rms();
             case Kind::Bytes:
                 return search_bytes();
+            case Kind::RmsError:
+                return search_rms();
             case Kind::MaxError:
+                return search_bounded(goal.value);
             case Kind::Lossless:
                 break;
         }
-        return search_corrected();
+        return search_bounded(0);
     }
 
     // --- candidates -----------------------------------------------------------------------------------------------
@@ -153,12 +154,8 @@ class Encoder {
         return copy;
     }
 
-    /// Coefficients are redundant: what one loses another can take over, so least squares pays at every rate.
-    [[nodiscard]] bool is_frame() const { return pyramid_.layout.coefficients() > 2 * raster_.rows * raster_.cols; }
-
     Candidate at_unit(double unit) {
-        if (options_.effort == Effort::Select || !is_frame())
-            return evaluated(quantise(pyramid_, unit, kDeadZoneRounding));
+        if (options_.effort == Effort::Select) return evaluated(quantise(pyramid_, unit, kDeadZoneRounding));
         Pyramid<double> chosen = copy_of_pyramid();
         if (options_.effort == Effort::Reselect) {
             const Selection first = select_above(chosen, kRefitThreshold * unit);
@@ -231,14 +228,18 @@ class Encoder {
             }
             if (!(unit > 1e-290 && unit < 1e290)) break;
         }
-        if (!best) return Error{ErrorCode::BadInput, "the goal can not be reached; try --lossless", ""};
+        if (!best) return Error{ErrorCode::BadInput, "no step meets the goal", ""};
         return *std::move(best);
     }
 
     Result<Candidate> search_rms() {
         const double goal = options_.goal.value;
-        return search(3 * goal, true, 0.995,
-                      [&](const Candidate& candidate) { return candidate.error.rms(samples_) / goal; });
+        if (goal > 0) {
+            auto found = search(3 * goal, true, 0.995,
+                                [&](const Candidate& candidate) { return candidate.error.rms(samples_) / goal; });
+            if (found.ok() || found.error().code == ErrorCode::Cancelled) return found;
+        }
+        return search_bounded(0);  // nearer than quantising comes
     }
 
     Result<Candidate> search_bytes() {
@@ -272,23 +273,37 @@ class Encoder {
         return unit;
     }
 
+    /// A candidate with what brings it within a bound.
+    struct Corrected {
+        Candidate candidate;
+        Corrections corrections;
+        std::uint64_t size = std::numeric_limits<std::uint64_t>::max();
+    };
+
+    /// The smaller of a file within the bound and, where that might be smaller, an exact one.
+    Result<Candidate> search_bounded(double bound) {
+        RELIEF_TRY(Corrected best, search_corrected(bound));
+        if (bound > 0 && !is_integer(raster_.type) && bound < kNearlyExact * smallest_step()) {
+            RELIEF_TRY(Corrected exact, search_corrected(0));
+            if (exact.size < best.size) best = std::move(exact);
+        }
+        corrections_ = std::move(best.corrections);
+        return std::move(best.candidate);
+    }
+
     /// The unit whose file with corrections is smallest, by a golden-section-like walk over factors of the bound.
-    Result<Candidate> search_corrected() {
-        const bool exact = effective_goal() == Kind::Lossless;
-        bound_ = exact ? 0 : options_.goal.value;
+    Result<Corrected> search_corrected(double bound) {
+        const bool exact = bound == 0;
         const double quantum = smallest_step();
-        const double scale = std::max(exact ? quantum : options_.goal.value, quantum);
-        std::optional<Candidate> best;
-        std::uint64_t best_size = std::numeric_limits<std::uint64_t>::max();
+        const double scale = std::max(exact ? quantum : bound, quantum);
+        Corrected best;
         double factor = exact ? 2.0 : 3.0;
         const auto attempt = [&](double f) {
             Candidate candidate = at_unit(f * scale);
-            Corrections corrections = make_corrections(raster_, candidate.surface, bound_);
+            Corrections corrections = make_corrections(raster_, candidate.surface, bound);
             const std::uint64_t size = size_of(candidate, &corrections);
-            if (size >= best_size) return false;
-            best_size = size;
-            best = std::move(candidate);
-            corrections_ = std::move(corrections);
+            if (size >= best.size) return false;
+            best = {std::move(candidate), std::move(corrections), size};
             return true;
         };
         attempt(factor);
@@ -299,7 +314,7 @@ class Encoder {
             else if (attempt(factor / ratio))
                 factor /= ratio;
         }
-        return *std::move(best);
+        return best;
     }
 
     /// The distance of neighbouring values of the sample type at the raster's magnitude.
@@ -364,17 +379,16 @@ class Encoder {
     }
 
     Result<EncodedRaster> finish(Candidate best) {
-        const bool corrected = effective_goal() == Kind::MaxError || effective_goal() == Kind::Lossless;
         const auto level_errors = errors_by_chunk(best);
         Error2 final_error = best.error;
-        if (corrected) {
+        if (corrections_) {
             Planes<double> surface;
             for (const Grid<double>& plane : best.surface) surface.push_back(plane.clone());
-            apply_corrections(corrections_, raster_.type, raster_.nodata, surface);
+            apply_corrections(*corrections_, raster_.type, raster_.nodata, surface);
             final_error = surface_error(raster_, surface);
         }
         EncodedRaster result;
-        RELIEF_TRY(result.bytes, assemble(best, corrected ? &corrections_ : nullptr, level_errors, final_error));
+        RELIEF_TRY(result.bytes, assemble(best, corrections_ ? &*corrections_ : nullptr, level_errors, final_error));
         RELIEF_CHECK(verify(result.bytes, final_error));
 
         EncodeReport& report = result.report;
@@ -382,7 +396,7 @@ class Encoder {
         report.samples = raster_.rows * raster_.cols;
         report.coefficients = pyramid_.layout.coefficients();
         report.kept = best.quantised.kept;
-        report.corrected = corrected ? corrections_.corrected : 0;
+        report.corrected = corrections_ ? corrections_->corrected : 0;
         report.bytes = result.bytes.size();
         report.bits_per_sample = 8.0 * static_cast<double>(report.bytes) / static_cast<double>(report.samples);
         report.max_error = final_error.max;
@@ -416,7 +430,7 @@ class Encoder {
         RELIEF_TRY(const RasterFile file, RasterFile::open(bytes));
         RELIEF_TRY(const Raster decoded, file.decode(0));
         const Error2 found = surface_error(raster_, decoded.planes);
-        const bool over = effective_goal() == Kind::MaxError && found.max > options_.goal.value;
+        const bool over = options_.goal.kind == Kind::MaxError && found.max > options_.goal.value;
         if (found.max == expected.max && found.square == expected.square && !over) return {};
         return Error{ErrorCode::BadFile,
                      "the decoded file differs from what was encoded (error " + std::to_string(found.max) + " instead of " +
@@ -436,8 +450,7 @@ class Encoder {
     Target target_;
     Pyramid<double> pyramid_;
     Pyramid<double> scratch_;
-    Corrections corrections_;
-    double bound_ = 0;
+    std::optional<Corrections> corrections_;
 };
 
 }  // namespace
