@@ -60,6 +60,20 @@ Error2 surface_error(const Raster& raster, const Planes<double>& surface) {
     return all;
 }
 
+/// Largest error of the raster of a level, which has every 2^level-th sample.
+double largest_error_of_level(const Raster& raster, const Planes<double>& planes, int level) {
+    const std::int64_t step = std::int64_t{1} << level;
+    double largest = 0;
+    for (std::size_t p = 0; p < planes.size(); ++p)
+        for (std::int64_t r = 0; r < planes[p].rows(); ++r)
+            for (std::int64_t c = 0; c < planes[p].cols(); ++c) {
+                if (!raster.valid(r * step, c * step)) continue;
+                const double stored = stored_value(planes[p](r, c), raster.type, raster.nodata);
+                largest = std::max(largest, std::abs(stored - raster.planes[p](r * step, c * step)));
+            }
+    return largest;
+}
+
 /// One way to code the raster: quantised coefficients, the surface they give, and how far it is off.
 struct Candidate {
     Quantised quantised;
@@ -369,11 +383,15 @@ class Encoder {
         return writer.finish();
     }
 
-    /// Errors of the surface decoded up to each chunk.
+    /// Errors of the surface decoded up to each chunk, at all samples. The largest holds for the raster of the chunk's level
+    /// too, whose border is extrapolated at that level and may differ from the surface.
     std::vector<Error2> errors_by_chunk(const Candidate& candidate) {
         std::vector<Error2> errors;
-        for (int level = pyramid_.layout.levels(); level >= 1; --level)
-            errors.push_back(surface_error(raster_, surface_of(candidate.quantised, level)));
+        for (int level = pyramid_.layout.levels(); level >= 1; --level) {
+            Error2 error = surface_error(raster_, surface_of(candidate.quantised, level));
+            error.max = std::max(error.max, largest_error_of_level(raster_, multires::synthesise(scratch_, level), level));
+            errors.push_back(error);
+        }
         errors.push_back(candidate.error);
         return errors;
     }
