@@ -130,32 +130,4 @@ Result<Raster> read_any_raster(const std::string& path, const Globals& globals) 
     }
 }
 
-PlaceMap::PlaceMap(const GeoReference& geo) {
-    // Sample (i, j) has its centre at column j + 1/2, row i + 1/2 of the transform.
-    const std::array<double, 6> t = geo.transform.value_or(std::array<double, 6>{-0.5, 1, 0, -0.5, 0, 1});
-    origin[0] = t[0] + 0.5 * t[1] + 0.5 * t[2];
-    origin[1] = t[3] + 0.5 * t[4] + 0.5 * t[5];
-    forward[0][0] = t[1];
-    forward[0][1] = t[2];
-    forward[1][0] = t[4];
-    forward[1][1] = t[5];
-    const double determinant = t[1] * t[5] - t[2] * t[4];
-    inverse[0][0] = t[5] / determinant;
-    inverse[0][1] = -t[2] / determinant;
-    inverse[1][0] = -t[4] / determinant;
-    inverse[1][1] = t[1] / determinant;
-}
-
-void PlaceMap::to_lattice(double x, double y, double& i, double& j) const {
-    const double dx = x - origin[0];
-    const double dy = y - origin[1];
-    j = inverse[0][0] * dx + inverse[0][1] * dy;
-    i = inverse[1][0] * dx + inverse[1][1] * dy;
-}
-
-void PlaceMap::to_place(double i, double j, double& x, double& y) const {
-    x = origin[0] + forward[0][0] * j + forward[0][1] * i;
-    y = origin[1] + forward[1][0] * j + forward[1][1] * i;
-}
-
 }  // namespace relief::cli

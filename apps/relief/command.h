@@ -98,17 +98,4 @@ struct SchemeOptions {
 /// Reads a raster of any kind: .relief files are decoded. Meshes and points are refused with the reason.
 [[nodiscard]] Result<Raster> read_any_raster(const std::string& path, const Globals& globals);
 
-/// From a place in data units to lattice coordinates (i, j), and what one lattice step is in data units.
-/// Without a geotransform x is the column and y the row.
-struct PlaceMap {
-    explicit PlaceMap(const GeoReference& geo);
-
-    double origin[2];      ///< place of lattice point (0, 0)
-    double forward[2][2];  ///< d(x, y) / d(j, i)
-    double inverse[2][2];  ///< d(j, i) / d(x, y)
-
-    void to_lattice(double x, double y, double& i, double& j) const;
-    void to_place(double i, double j, double& x, double& y) const;
-};
-
 }  // namespace relief::cli

@@ -4,7 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <sstream>
+#include <string_view>
 
 #include "command.h"
 #include "relief/io/file.h"
@@ -27,12 +27,35 @@ struct Point {
     double y = 0;
 };
 
-/// "X,Y", "X Y" or "X;Y"; further fields are ignored.
-bool parse_point(std::string line, Point& point) {
-    std::replace_if(line.begin(), line.end(), [](char c) { return c == ',' || c == ';' || c == '\t' || c == '\r'; }, ' ');
-    std::istringstream fields(line);
-    fields.imbue(std::locale::classic());
-    return static_cast<bool>(fields >> point.x >> point.y) && std::isfinite(point.x) && std::isfinite(point.y);
+/// A number that fills the field, but for blanks and quotes.
+bool parse_number(std::string_view field, double& value) {
+    constexpr std::string_view around = " \t\r\"'";
+    const std::size_t first = field.find_first_not_of(around);
+    if (first == std::string_view::npos) return false;
+    field = field.substr(first, field.find_last_not_of(around) + 1 - first);
+    if (field.size() > 1 && field[0] == '+' && field[1] != '-') field.remove_prefix(1);
+    const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+    return error == std::errc() && end == field.data() + field.size() && std::isfinite(value);
+}
+
+/// The first two fields of a line, separated by the first of ; tab , blank that is in it; further ones are ignored.
+bool parse_point(std::string_view line, Point& point) {
+    for (const char separator : {';', '\t', ',', ' '}) {
+        const std::size_t first = line.find_first_not_of(' ');
+        if (first == std::string_view::npos) return false;
+        const std::size_t end = line.find(separator, first);
+        if (end == std::string_view::npos) continue;
+        const std::size_t next = line.find_first_not_of(' ', end + 1);
+        if (next == std::string_view::npos) return false;
+        return parse_number(line.substr(0, end), point.x) &&
+               parse_number(line.substr(next, line.find(separator, next) - next), point.y);
+    }
+    return false;
+}
+
+/// The first line may name the columns.
+bool is_heading(std::string_view line, std::int64_t number) {
+    return number == 1 && line.find_first_of("0123456789") != line.find_first_not_of(" \t\"'+-.");
 }
 
 Result<std::vector<Point>> read_points(const Eval& options) {
@@ -45,15 +68,19 @@ Result<std::vector<Point>> read_points(const Eval& options) {
     }
     if (options.points.empty()) return points;
     RELIEF_TRY(const auto bytes, io::read_file(options.points));
-    std::istringstream lines(std::string(bytes.begin(), bytes.end()));
-    std::string line;
-    for (std::int64_t number = 1; std::getline(lines, line); ++number) {
-        if (line.find_first_not_of(" \t\r") == std::string::npos || line[0] == '#') continue;
+    std::string_view rest(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+    if (rest.starts_with(byte_order_mark)) rest.remove_prefix(byte_order_mark.size());
+    for (std::int64_t number = 1; !rest.empty(); ++number) {
+        const std::string_view line = rest.substr(0, rest.find('\n'));
+        rest.remove_prefix(std::min(line.size() + 1, rest.size()));
+        if (line.find_first_not_of(" \t\r") == std::string_view::npos || line[0] == '#') continue;
         Point point;
         if (parse_point(line, point)) {
             points.push_back(point);
-        } else if (number > 1) {  // the first line may be a heading
-            return Error{ErrorCode::BadInput, "does not begin with two numbers: '" + line.substr(0, 60) + "'",
+        } else if (!is_heading(line, number)) {
+            return Error{ErrorCode::BadInput,
+                         fmt::format("does not begin with two numbers: '{}'; give X,Y with decimal points", line.substr(0, 60)),
                          fmt::format("{}, line {}", options.points, number)};
         }
     }
@@ -63,16 +90,41 @@ Result<std::vector<Point>> read_points(const Eval& options) {
 /// Value, gradient (d/dx, d/dy) and Hessian (xx, xy, yy) of one component.
 using Jet = std::array<double, 6>;
 
-Jet to_data_units(const spline::SurfaceJet<double>& jet, const PlaceMap& map) {
-    // Rows of m: d(j, i) / dx and d(j, i) / dy.
-    const double jx = map.inverse[0][0], jy = map.inverse[0][1], ix = map.inverse[1][0], iy = map.inverse[1][1];
-    return {jet.value,
-            jet.dj * jx + jet.di * ix,
-            jet.dj * jy + jet.di * iy,
-            jet.djj * jx * jx + 2 * jet.dij * jx * ix + jet.dii * ix * ix,
-            jet.djj * jx * jy + jet.dij * (jx * iy + jy * ix) + jet.dii * ix * iy,
-            jet.djj * jy * jy + 2 * jet.dij * jy * iy + jet.dii * iy * iy};
-}
+/// From a place in data units to lattice coordinates (i, j). Without a geotransform x is the column and y the row.
+class PlaceMap {
+  public:
+    static Result<PlaceMap> create(const GeoReference& geo) {
+        // Sample (i, j) has its centre at column j + 1/2, row i + 1/2 of the transform.
+        const std::array<double, 6> t = geo.transform.value_or(std::array<double, 6>{-0.5, 1, 0, -0.5, 0, 1});
+        const double determinant = t[1] * t[5] - t[2] * t[4];
+        PlaceMap map;
+        map.x0_ = t[0] + 0.5 * t[1] + 0.5 * t[2];
+        map.y0_ = t[3] + 0.5 * t[4] + 0.5 * t[5];
+        map.jx_ = t[5] / determinant;
+        map.jy_ = -t[2] / determinant;
+        map.ix_ = -t[4] / determinant;
+        map.iy_ = t[1] / determinant;
+        if (std::isfinite(map.jx_) && std::isfinite(map.jy_) && std::isfinite(map.ix_) && std::isfinite(map.iy_)) return map;
+        return Error{ErrorCode::BadInput, "its transform gives different samples the same place; correct it: gdal_edit.py -a_ullr", ""};
+    }
+
+    [[nodiscard]] double row(const Point& p) const { return ix_ * (p.x - x0_) + iy_ * (p.y - y0_); }
+    [[nodiscard]] double col(const Point& p) const { return jx_ * (p.x - x0_) + jy_ * (p.y - y0_); }
+
+    /// The chain rule.
+    [[nodiscard]] Jet to_data_units(const spline::SurfaceJet<double>& jet) const {
+        return {jet.value,
+                jet.dj * jx_ + jet.di * ix_,
+                jet.dj * jy_ + jet.di * iy_,
+                jet.djj * jx_ * jx_ + 2 * jet.dij * jx_ * ix_ + jet.dii * ix_ * ix_,
+                jet.djj * jx_ * jy_ + jet.dij * (jx_ * iy_ + jy_ * ix_) + jet.dii * ix_ * iy_,
+                jet.djj * jy_ * jy_ + 2 * jet.dij * jy_ * iy_ + jet.dii * iy_ * iy_};
+    }
+
+  private:
+    double x0_ = 0, y0_ = 0;                    ///< place of lattice point (0, 0)
+    double jx_ = 0, jy_ = 0, ix_ = 0, iy_ = 0;  ///< d(j, i) / d(x, y)
+};
 
 std::string heading(int components, int derivatives) {
     const std::array<const char*, 6> names = {"value", "dx", "dy", "dxx", "dxy", "dyy"};
@@ -84,8 +136,55 @@ std::string heading(int components, int derivatives) {
     return line + "\n";
 }
 
-bool in_hole(const codec::RasterFile& file, double i, double j) {
-    return !file.mask().empty() && file.mask()(std::llround(i), std::llround(j)) == 0;
+/// Points on the lattice of a file; those outside the surface or in a hole are marked.
+struct LatticePoints {
+    std::vector<double> i;
+    std::vector<double> j;
+    std::vector<std::uint8_t> inside;
+};
+
+LatticePoints locate(const std::vector<Point>& points, const PlaceMap& map, const codec::RasterFile& file) {
+    // Places computed from sample centres may miss the border by rounding.
+    const auto settled = [](double v, std::int64_t n) {
+        const double last = static_cast<double>(n - 1);
+        const double slack = 1e-9 * (1 + last);
+        return v < -slack || v > last + slack ? NAN : std::clamp(v, 0.0, last);
+    };
+    LatticePoints found;
+    for (const Point& point : points) {
+        const double i = settled(map.row(point), file.layout().rows);
+        const double j = settled(map.col(point), file.layout().cols);
+        const bool inside = !std::isnan(i) && !std::isnan(j) &&
+                            (file.mask().empty() || file.mask()(std::llround(i), std::llround(j)) != 0);
+        found.i.push_back(inside ? i : 0);
+        found.j.push_back(inside ? j : 0);
+        found.inside.push_back(inside);
+    }
+    return found;
+}
+
+/// All derivatives of one component at all points, in data units.
+Result<std::vector<Jet>> jets_of(const Grid<double>& net, int order, int derivatives, const LatticePoints& at, const PlaceMap& map) {
+    RELIEF_TRY(const auto surface, spline::BoxSurface<double>::create(net.view(), order));
+    const std::size_t n = at.i.size();
+    std::array<std::vector<double>, 6> parts;
+    for (auto& part : parts) part.resize(n);
+    RELIEF_CHECK(surface.evaluate(at.i, at.j, derivatives, {parts[0], parts[1], parts[2], parts[3], parts[4], parts[5]}));
+    std::vector<Jet> jets;
+    for (std::size_t k = 0; k < n; ++k)
+        jets.push_back(map.to_data_units({parts[0][k], parts[1][k], parts[2][k], parts[3][k], parts[4][k], parts[5][k]}));
+    return jets;
+}
+
+Result<std::vector<std::vector<Jet>>> evaluate(const codec::RasterFile& file, int derivatives, const LatticePoints& at,
+                                               const PlaceMap& map) {
+    RELIEF_TRY(const auto net, file.control_net());
+    std::vector<std::vector<Jet>> components;
+    for (const Grid<double>& plane : net) {
+        RELIEF_TRY(auto jets, jets_of(plane, file.layout().spec.order, derivatives, at, map));
+        components.push_back(std::move(jets));
+    }
+    return components;
 }
 
 Result<Outcome> run(const Eval& options, const Globals& globals) {
@@ -94,43 +193,29 @@ Result<Outcome> run(const Eval& options, const Globals& globals) {
         return Error{ErrorCode::InvalidArgument, "give places with --at X,Y or --points FILE.csv", ""};
     RELIEF_TRY(const std::vector<Point> points, read_points(options));
     RELIEF_TRY(const codec::RasterFile file, open_relief(options.in));
-    RELIEF_TRY(const auto net, file.control_net());
-    std::vector<spline::BoxSurface<double>> surfaces;
-    for (const Grid<double>& plane : net) {
-        RELIEF_TRY(auto surface, spline::BoxSurface<double>::create(plane.view(), file.layout().spec.order));
-        surfaces.push_back(std::move(surface));
-    }
-    const PlaceMap map(file.description().geo);
+    const auto map = PlaceMap::create(file.description().geo);
+    if (!map.ok()) return located(map.error(), options.in);
+    const LatticePoints at = locate(points, *map, file);
+    const auto components = evaluate(file, options.derivatives, at, *map);
+    if (!components.ok()) return located(components.error(), options.in);
+
     const std::size_t count = options.derivatives == 0 ? 1 : options.derivatives == 1 ? 3 : 6;
     std::string csv = heading(file.layout().components, options.derivatives);
+    const bool listed = globals.json && options.output.empty();
     Json values = Json::array();
-    std::int64_t outside = 0;
-    for (const Point& point : points) {
-        double i = 0;
-        double j = 0;
-        map.to_lattice(point.x, point.y, i, j);
-        // Places computed from sample centres may miss the border by rounding.
-        constexpr double slack = 1e-9;
-        const auto settle = [&](double v, std::int64_t n) {
-            const double last = static_cast<double>(n - 1);
-            return v < 0 && v > -slack * (1 + last) ? 0 : v > last && v < last + slack * (1 + last) ? last : v;
-        };
-        i = settle(i, file.layout().rows);
-        j = settle(j, file.layout().cols);
-        const bool inside = surfaces[0].contains(i, j) && !in_hole(file, i, j);
-        outside += !inside;
-        csv += fmt::format("{},{}", point.x, point.y);
+    for (std::size_t n = 0; n < points.size(); ++n) {
+        fmt::format_to(std::back_inserter(csv), "{},{}", points[n].x, points[n].y);
         Json row = Json::array();
-        for (const auto& surface : surfaces) {
-            const Jet jet = inside ? to_data_units(surface.jet(i, j), map) : Jet{};
+        for (const auto& jets : *components)
             for (std::size_t k = 0; k < count; ++k) {
-                csv += inside ? fmt::format(",{}", jet[k]) : ",";
-                if (globals.json) row.push_back(inside ? Json(jet[k]) : Json(nullptr));
+                csv += ',';
+                if (at.inside[n]) fmt::format_to(std::back_inserter(csv), "{}", jets[n][k]);
+                if (listed) row.push_back(at.inside[n] ? Json(jets[n][k]) : Json(nullptr));
             }
-        }
-        csv += "\n";
-        if (globals.json) values.push_back(std::move(row));
+        csv += '\n';
+        if (listed) values.push_back(std::move(row));
     }
+    const auto outside = std::count(at.inside.begin(), at.inside.end(), 0);
     Outcome outcome;
     if (!options.output.empty()) {
         RELIEF_CHECK(io::write_file_atomically(
@@ -141,7 +226,7 @@ Result<Outcome> run(const Eval& options, const Globals& globals) {
         outcome.text_is_data = true;
     }
     outcome.json = Json{{"points", points.size()}, {"outside", outside}, {"seconds", watch.seconds()}};
-    if (options.output.empty()) outcome.json["values"] = std::move(values);
+    if (listed) outcome.json["values"] = std::move(values);
     return outcome;
 }
 

@@ -93,7 +93,7 @@ Result<Outcome> info_of_relief(const std::string& path) {
     outcome.text += fmt::format("scheme {} order {}, {} levels", multires::scheme_name(layout.spec.id), layout.spec.order,
                                 layout.levels());
     outcome.text += bound ? fmt::format(", within {} of the original (rms {})\n", shown(*bound), shown(file.rms_error()))
-                          : fmt::format(", edited by {} moves\n", file.moves().size());
+                          : fmt::format(", edited by {} move{}\n", file.moves().size(), file.moves().size() == 1 ? "" : "s");
     outcome.text += "level   control net      bytes to read   error at most\n";
     for (const Json& level : levels)
         outcome.text += fmt::format("{:5}   {:>5} x {:<7} {:>14}   {}\n", level["level"].get<int>(),

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "codec/corrections.h"
@@ -23,6 +24,10 @@ using multires::Planes;
 constexpr double kDeadZoneRounding = 0.45;
 /// A coefficient is worth refitting when its weighted magnitude is at least this part of the quantiser's unit.
 constexpr double kRefitThreshold = 0.55;
+/// Quantiser steps are floats and values have 31 bits: samples up to here leave room for what filters add.
+constexpr double kLargestSample = 1e45;
+/// Bounds below so many of a float type's steps may cost more than exactness.
+constexpr double kNearlyExact = 64;
 
 struct Error2 {
     double max = 0;
@@ -53,6 +58,20 @@ Error2 surface_error(const Raster& raster, const Planes<double>& surface) {
         all.square += row.square;
     }
     return all;
+}
+
+/// Largest error of the raster of a level, which has every 2^level-th sample.
+double largest_error_of_level(const Raster& raster, const Planes<double>& planes, int level) {
+    const std::int64_t step = std::int64_t{1} << level;
+    double largest = 0;
+    for (std::size_t p = 0; p < planes.size(); ++p)
+        for (std::int64_t r = 0; r < planes[p].rows(); ++r)
+            for (std::int64_t c = 0; c < planes[p].cols(); ++c) {
+                if (!raster.valid(r * step, c * step)) continue;
+                const double stored = stored_value(planes[p](r, c), raster.type, raster.nodata);
+                largest = std::max(largest, std::abs(stored - raster.planes[p](r * step, c * step)));
+            }
+    return largest;
 }
 
 /// One way to code the raster: quantised coefficients, the surface they give, and how far it is off.
@@ -91,8 +110,8 @@ class Encoder {
         for (const Grid<double>& plane : raster_.planes)
             for (std::int64_t r = 0; r < raster_.rows; ++r)
                 for (std::int64_t c = 0; c < raster_.cols; ++c)
-                    if (raster_.valid(r, c) && !(std::abs(plane(r, c)) <= 1e300))
-                        return Error{ErrorCode::BadInput, "a valid sample is not a number or beyond 1e300; mark it as NODATA",
+                    if (raster_.valid(r, c) && !(std::abs(plane(r, c)) <= kLargestSample))
+                        return Error{ErrorCode::BadInput, "a valid sample is not a number or beyond 1e45; mark it as NODATA",
                                      "row " + std::to_string(r) + ", column " + std::to_string(c)};
         return {};
     }
@@ -106,25 +125,21 @@ class Encoder {
         return {};
     }
 
-    [[nodiscard]] Goal::Kind effective_goal() const {
-        // A bound of nothing is exactness, which quantising alone never promises.
-        const bool exact = options_.goal.value == 0 && (options_.goal.kind == Kind::MaxError || options_.goal.kind == Kind::RmsError);
-        return exact ? Kind::Lossless : options_.goal.kind;
-    }
-
     Result<Candidate> choose() {
-        switch (effective_goal()) {
+        const Goal& goal = options_.goal;
+        switch (goal.kind) {
             case Kind::Keep:
                 return keep();
-            case Kind::RmsError:
-                return search_rms();
             case Kind::Bytes:
                 return search_bytes();
+            case Kind::RmsError:
+                return search_rms();
             case Kind::MaxError:
+                return search_bounded(goal.value);
             case Kind::Lossless:
                 break;
         }
-        return search_corrected();
+        return search_bounded(0);
     }
 
     // --- candidates -----------------------------------------------------------------------------------------------
@@ -230,14 +245,18 @@ class Encoder {
             }
             if (!(unit > 1e-290 && unit < 1e290)) break;
         }
-        if (!best) return Error{ErrorCode::BadInput, "the goal can not be reached; try --lossless", ""};
+        if (!best) return Error{ErrorCode::BadInput, "no step meets the goal", ""};
         return *std::move(best);
     }
 
     Result<Candidate> search_rms() {
         const double goal = options_.goal.value;
-        return search(3 * goal, true, 0.995,
-                      [&](const Candidate& candidate) { return candidate.error.rms(samples_) / goal; });
+        if (goal > 0) {
+            auto found = search(3 * goal, true, 0.995,
+                                [&](const Candidate& candidate) { return candidate.error.rms(samples_) / goal; });
+            if (found.ok() || found.error().code == ErrorCode::Cancelled) return found;
+        }
+        return search_bounded(0);  // nearer than quantising comes
     }
 
     Result<Candidate> search_bytes() {
@@ -271,23 +290,37 @@ class Encoder {
         return unit;
     }
 
+    /// A candidate with what brings it within a bound.
+    struct Corrected {
+        Candidate candidate;
+        Corrections corrections;
+        std::uint64_t size = std::numeric_limits<std::uint64_t>::max();
+    };
+
+    /// The smaller of a file within the bound and, where that might be smaller, an exact one.
+    Result<Candidate> search_bounded(double bound) {
+        RELIEF_TRY(Corrected best, search_corrected(bound));
+        if (bound > 0 && !is_integer(raster_.type) && bound < kNearlyExact * smallest_step()) {
+            RELIEF_TRY(Corrected exact, search_corrected(0));
+            if (exact.size < best.size) best = std::move(exact);
+        }
+        corrections_ = std::move(best.corrections);
+        return std::move(best.candidate);
+    }
+
     /// The unit whose file with corrections is smallest, by a golden-section-like walk over factors of the bound.
-    Result<Candidate> search_corrected() {
-        const bool exact = effective_goal() == Kind::Lossless;
-        bound_ = exact ? 0 : options_.goal.value;
+    Result<Corrected> search_corrected(double bound) {
+        const bool exact = bound == 0;
         const double quantum = smallest_step();
-        const double scale = std::max(exact ? quantum : options_.goal.value, quantum);
-        std::optional<Candidate> best;
-        std::uint64_t best_size = std::numeric_limits<std::uint64_t>::max();
+        const double scale = std::max(exact ? quantum : bound, quantum);
+        Corrected best;
         double factor = exact ? 2.0 : 3.0;
         const auto attempt = [&](double f) {
             Candidate candidate = at_unit(f * scale);
-            Corrections corrections = make_corrections(raster_, candidate.surface, bound_);
+            Corrections corrections = make_corrections(raster_, candidate.surface, bound);
             const std::uint64_t size = size_of(candidate, &corrections);
-            if (size >= best_size) return false;
-            best_size = size;
-            best = std::move(candidate);
-            corrections_ = std::move(corrections);
+            if (size >= best.size) return false;
+            best = {std::move(candidate), std::move(corrections), size};
             return true;
         };
         attempt(factor);
@@ -298,7 +331,7 @@ class Encoder {
             else if (attempt(factor / ratio))
                 factor /= ratio;
         }
-        return *std::move(best);
+        return best;
     }
 
     /// The distance of neighbouring values of the sample type at the raster's magnitude.
@@ -353,27 +386,30 @@ class Encoder {
         return writer.finish();
     }
 
-    /// Errors of the surface decoded up to each chunk.
+    /// Errors of the surface decoded up to each chunk, at all samples. The largest holds for the raster of the chunk's level
+    /// too, whose border is extrapolated at that level and may differ from the surface.
     std::vector<Error2> errors_by_chunk(const Candidate& candidate) {
         std::vector<Error2> errors;
-        for (int level = pyramid_.layout.levels(); level >= 1; --level)
-            errors.push_back(surface_error(raster_, surface_of(candidate.quantised, level)));
+        for (int level = pyramid_.layout.levels(); level >= 1; --level) {
+            Error2 error = surface_error(raster_, surface_of(candidate.quantised, level));
+            error.max = std::max(error.max, largest_error_of_level(raster_, multires::synthesise(scratch_, level), level));
+            errors.push_back(error);
+        }
         errors.push_back(candidate.error);
         return errors;
     }
 
     Result<EncodedRaster> finish(Candidate best) {
-        const bool corrected = effective_goal() == Kind::MaxError || effective_goal() == Kind::Lossless;
         const auto level_errors = errors_by_chunk(best);
         Error2 final_error = best.error;
-        if (corrected) {
+        if (corrections_) {
             Planes<double> surface;
             for (const Grid<double>& plane : best.surface) surface.push_back(plane.clone());
-            apply_corrections(corrections_, raster_.type, raster_.nodata, surface);
+            apply_corrections(*corrections_, raster_.type, raster_.nodata, surface);
             final_error = surface_error(raster_, surface);
         }
         EncodedRaster result;
-        RELIEF_TRY(result.bytes, assemble(best, corrected ? &corrections_ : nullptr, level_errors, final_error));
+        RELIEF_TRY(result.bytes, assemble(best, corrections_ ? &*corrections_ : nullptr, level_errors, final_error));
         RELIEF_CHECK(verify(result.bytes, final_error));
 
         EncodeReport& report = result.report;
@@ -381,7 +417,7 @@ class Encoder {
         report.samples = raster_.rows * raster_.cols;
         report.coefficients = pyramid_.layout.coefficients();
         report.kept = best.quantised.kept;
-        report.corrected = corrected ? corrections_.corrected : 0;
+        report.corrected = corrections_ ? corrections_->corrected : 0;
         report.bytes = result.bytes.size();
         report.bits_per_sample = 8.0 * static_cast<double>(report.bytes) / static_cast<double>(report.samples);
         report.max_error = final_error.max;
@@ -415,7 +451,7 @@ class Encoder {
         RELIEF_TRY(const RasterFile file, RasterFile::open(bytes));
         RELIEF_TRY(const Raster decoded, file.decode(0));
         const Error2 found = surface_error(raster_, decoded.planes);
-        const bool over = effective_goal() == Kind::MaxError && found.max > options_.goal.value;
+        const bool over = options_.goal.kind == Kind::MaxError && found.max > options_.goal.value;
         if (found.max == expected.max && found.square == expected.square && !over) return {};
         return Error{ErrorCode::BadFile,
                      "the decoded file differs from what was encoded (error " + std::to_string(found.max) + " instead of " +
@@ -435,8 +471,7 @@ class Encoder {
     Target target_;
     Pyramid<double> pyramid_;
     Pyramid<double> scratch_;
-    Corrections corrections_;
-    double bound_ = 0;
+    std::optional<Corrections> corrections_;
 };
 
 }  // namespace

@@ -104,6 +104,11 @@ def samples(path):
     return values
 
 
+def contents_of(path):
+    with open(path, "rb") as file:
+        return file.read()
+
+
 def energy(values):
     return float(np.sum(np.square(values)))
 

@@ -70,7 +70,7 @@ struct ChunkSummary {
     std::string kind;  ///< "scaling", "details", "mask", "correction", "edits"
     int level = 0;
     std::uint64_t bytes = 0;
-    double max_error = 0;  ///< of the surface decoded up to this chunk, against the original
+    double max_error = 0;  ///< of the surface decoded up to this chunk, and of its level's raster, against the original
     double rms_error = 0;
 };
 
@@ -102,7 +102,8 @@ class RasterFile {
     [[nodiscard]] bool edited() const { return !moves().empty(); }
     /// The finest level of detail in this prefix: 0 when all of them are.
     [[nodiscard]] int finest_level() const;
-    /// Verified error of the surface of `level` against the original raster; none if edited.
+    /// Verified error of the surface of `level` at all samples of the original raster, and of decode(level) at its own; none
+    /// if edited.
     [[nodiscard]] std::optional<double> bound(int level) const;
     /// Bytes of the file that decoding `level` reads.
     [[nodiscard]] std::uint64_t bytes_for(int level) const;
