@@ -34,7 +34,8 @@ bench: build
 	@tools/bench $(BUILD) build/bench
 
 reproduce: build
-	@$(BUILD)/relief-reproduce
+	@mkdir -p build/demo && tools/demo_dem.py build/demo/jacksboro.tif >/dev/null
+	@$(BUILD)/relief-reproduce build/demo/jacksboro.tif
 
 asan tsan: setup
 	@cmake --preset $@ >/dev/null

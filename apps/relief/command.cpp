@@ -98,23 +98,28 @@ Result<multires::SchemeSpec> SchemeOptions::spec() const {
     return spec;
 }
 
-Result<codec::RasterFile> open_relief(const std::string& path, std::uint64_t max_bytes) {
-    RELIEF_TRY(std::vector<std::uint8_t> bytes, io::read_file(path, max_bytes));
+Error located(Error error, const std::string& path) {
+    error.where = error.where.empty() ? path : path + ", " + error.where;
+    return error;
+}
+
+Result<codec::RasterFile> open_relief(const std::string& path, std::optional<std::uint64_t> max_bytes) {
+    RELIEF_TRY(std::vector<std::uint8_t> bytes, io::read_file(path, max_bytes.value_or(UINT64_MAX)));
     std::error_code error;
-    const std::uint64_t on_disk = std::filesystem::file_size(path, error);
+    const std::uint64_t on_disk = std::filesystem::file_size(path, error);  // pipes have none
     const std::uint64_t size = error ? bytes.size() : on_disk;
-    auto file = codec::RasterFile::open(std::move(bytes), size);
-    if (file.ok()) return file;
-    Error located = file.error();
-    located.where = located.where.empty() ? path : path + ", " + located.where;
-    return located;
+    auto file = max_bytes ? codec::RasterFile::open_prefix(std::move(bytes), size) : codec::RasterFile::open(std::move(bytes));
+    if (!file.ok()) return located(file.error(), path);
+    return file;
 }
 
 Result<Raster> read_any_raster(const std::string& path, const Globals& globals) {
     switch (io::recognise(path)) {
         case io::FileKind::Relief: {
             RELIEF_TRY(const codec::RasterFile file, open_relief(path));
-            return file.decode(0);
+            auto raster = file.decode(0);
+            if (!raster.ok()) return located(raster.error(), path);
+            return raster;
         }
         case io::FileKind::Mesh:
             return Error{ErrorCode::Unsupported, "is a mesh; this version reads rasters", path};

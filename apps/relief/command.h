@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -88,8 +89,11 @@ struct SchemeOptions {
     [[nodiscard]] Result<multires::SchemeSpec> spec() const;
 };
 
+/// The same error, saying which file it is about.
+[[nodiscard]] Error located(Error error, const std::string& path);
+
 /// Opens a .relief file or its first `max_bytes` bytes.
-[[nodiscard]] Result<codec::RasterFile> open_relief(const std::string& path, std::uint64_t max_bytes = UINT64_MAX);
+[[nodiscard]] Result<codec::RasterFile> open_relief(const std::string& path, std::optional<std::uint64_t> max_bytes = {});
 
 /// Reads a raster of any kind: .relief files are decoded. Meshes and points are refused with the reason.
 [[nodiscard]] Result<Raster> read_any_raster(const std::string& path, const Globals& globals);

@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <new>
+#include <string_view>
 
 #include "command.h"
 #include "relief/core/parallel.h"
@@ -16,24 +19,39 @@ constexpr int kDone = 0;
 constexpr int kBadData = 1;
 constexpr int kWrongUsage = 2;
 
-void print(const Program& program, const Outcome& outcome) {
+/// Standard streams may be closed or full: no exception for that, and false on standard output.
+bool put(std::FILE* stream, std::string_view text) {
+    return std::fwrite(text.data(), 1, text.size(), stream) == text.size() && std::fflush(stream) == 0;
+}
+
+/// One line on standard error; what libraries say may have more.
+int fail(int status, const std::string& who, std::string message) {
+    std::replace(message.begin(), message.end(), '\n', ' ');
+    put(stderr, fmt::format("{}: {}\n", who, message));
+    return status;
+}
+
+bool print(const Program& program, const Outcome& outcome) {
     if (program.globals.json)
-        fmt::print("{}\n", outcome.json.dump(-1, ' ', false, relief::cli::Json::error_handler_t::replace));
-    else if (outcome.text_is_data || !program.globals.quiet)
-        fmt::print("{}", outcome.text);
+        return put(stdout, outcome.json.dump(-1, ' ', false, relief::cli::Json::error_handler_t::replace) + "\n");
+    return (!outcome.text_is_data && program.globals.quiet) || put(stdout, outcome.text);
 }
 
 int run(Program& program) {
     relief::set_thread_count(program.globals.threads);
+    const std::string who = "relief " + program.verb;
     const auto outcome = program.chosen();
-    if (!outcome.ok()) {
-        fmt::print(stderr, "relief {}: {}\n", program.verb, outcome.error().text());
-        return outcome.error().code == ErrorCode::InvalidArgument ? kWrongUsage : kBadData;
-    }
-    print(program, *outcome);
-    if (std::fflush(stdout) == 0) return kDone;
-    fmt::print(stderr, "relief {}: standard output can not be written\n", program.verb);
-    return kBadData;
+    if (!outcome.ok())
+        return fail(outcome.error().code == ErrorCode::InvalidArgument ? kWrongUsage : kBadData, who,
+                    outcome.error().text());
+    if (print(program, *outcome)) return kDone;
+    return fail(kBadData, who, "standard output: can not be written; free some space or write elsewhere");
+}
+
+/// What was asked, as far as it was understood: "relief encode".
+std::string called(const CLI::App& app) {
+    const auto verbs = app.get_subcommands();
+    return verbs.empty() ? app.get_name() : app.get_name() + " " + verbs.front()->get_name();
 }
 
 }  // namespace
@@ -59,14 +77,16 @@ int main(int argc, char** argv) {
     } catch (const CLI::Success& success) {
         return app.exit(success);
     } catch (const CLI::ParseError& error) {
-        fmt::print(stderr, "relief: {}; see 'relief --help'\n", error.what());
-        return kWrongUsage;
+        const std::string who = called(app);
+        if (who == app.get_name() && argc > 1 && argv[1][0] != '-')
+            return fail(kWrongUsage, who, fmt::format("there is no verb '{}'; see '{} --help'", argv[1], who));
+        return fail(kWrongUsage, who, fmt::format("{}; see '{} --help'", error.what(), who));
     }
     relief::cli::stop_on_interrupt();
+    std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of the write, not a death
     try {
         return run(program);
     } catch (const std::bad_alloc&) {
-        fmt::print(stderr, "relief {}: not enough memory; cut the raster into parts\n", program.verb);
-        return kBadData;
+        return fail(kBadData, "relief " + program.verb, "not enough memory; cut the raster into parts");
     }
 }

@@ -14,7 +14,7 @@ struct Decode {
     std::string in;
     std::string out;
     int level = 0;
-    std::uint64_t bytes = UINT64_MAX;
+    std::optional<std::int64_t> bytes;
     std::vector<std::int64_t> window;
     double scale = 1;
 };
@@ -108,19 +108,14 @@ Result<Raster> rescaled(const codec::RasterFile& file, double scale) {
     return result;
 }
 
-/// What a reader of the raster, and `relief compare`, may want to know of its origin.
-void describe(const codec::RasterFile& file, int level, Raster& raster) {
+/// What a reader of the raster, and `relief compare`, may want to know of its origin. What an earlier encoding said of
+/// itself goes.
+void describe(const codec::RasterFile& file, std::optional<double> bound, Raster& raster) {
     const auto& spec = file.layout().spec;
-    const auto set = [&](const char* key, const std::string& value) {
-        auto found = std::find_if(raster.metadata.begin(), raster.metadata.end(), [&](const auto& m) { return m.first == key; });
-        if (found != raster.metadata.end())
-            found->second = value;
-        else
-            raster.metadata.emplace_back(key, value);
-    };
-    set("RELIEF_SCHEME", fmt::format("{} order {}", multires::scheme_name(spec.id), spec.order));
-    set("RELIEF_LEVELS", std::to_string(spec.levels));
-    if (const auto bound = file.bound(level)) set("RELIEF_MAX_ERROR", fmt::format("{}", *bound));
+    std::erase_if(raster.metadata, [](const auto& item) { return item.first.starts_with("RELIEF_"); });
+    raster.metadata.emplace_back("RELIEF_SCHEME", fmt::format("{} order {}", multires::scheme_name(spec.id), spec.order));
+    raster.metadata.emplace_back("RELIEF_LEVELS", std::to_string(spec.levels));
+    if (bound) raster.metadata.emplace_back("RELIEF_MAX_ERROR", fmt::format("{}", *bound));
 }
 
 Result<Outcome> run(const Decode& options, const Globals& globals) {
@@ -129,21 +124,18 @@ Result<Outcome> run(const Decode& options, const Globals& globals) {
         return Error{ErrorCode::InvalidArgument, "--scale must be a positive number", ""};
     if (options.scale != 1 && options.level != 0)
         return Error{ErrorCode::InvalidArgument, "--scale and --level exclude each other", ""};
+    if (options.bytes && *options.bytes < 1) return Error{ErrorCode::InvalidArgument, "--bytes must be at least 1", ""};
     RELIEF_TRY(const codec::RasterFile file, open_relief(options.in, options.bytes));
     auto decoded = options.scale == 1 ? file.decode(options.level) : rescaled(file, options.scale);
-    if (!decoded.ok()) {
-        Error located = decoded.error();
-        if (located.where.empty()) located.where = options.in;
-        return located;
-    }
+    if (!decoded.ok()) return located(decoded.error(), options.in);
     Raster raster = *std::move(decoded);
     if (!options.window.empty()) {
         RELIEF_TRY(raster, cropped(std::move(raster), options.window));
     }
-    describe(file, options.level, raster);
-    RELIEF_CHECK(io::write_raster(options.out, raster, {.progress = progress_bar(globals, "writing")}));
     std::optional<double> bound;
     if (options.scale == 1) bound = file.bound(options.level);
+    describe(file, bound, raster);
+    RELIEF_CHECK(io::write_raster(options.out, raster, {.progress = progress_bar(globals, "writing")}));
     Outcome outcome;
     outcome.json = Json{{"samples", raster.rows * raster.cols},
                         {"bytes_read", file.bytes_for(options.level)},

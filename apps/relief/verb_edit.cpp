@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
+#include <climits>
 #include <sstream>
 
 #include "command.h"
@@ -46,67 +47,84 @@ Result<multires::Move> parse_move(const std::string& text, int level, const mult
     return move;
 }
 
+/// An integer member that 64 bits hold.
+std::optional<std::int64_t> integer(const Json& item, const char* key) {
+    const auto found = item.is_object() ? item.find(key) : item.end();
+    if (found == item.end() || !found->is_number_integer()) return {};
+    if (found->is_number_unsigned() && found->get<std::uint64_t>() > INT64_MAX) return INT64_MAX;
+    return found->get<std::int64_t>();
+}
+
+Result<multires::Move> read_move(const Json& item, const multires::PyramidLayout& layout, const std::string& where) {
+    const auto wrong = [&](std::string what) { return Error{ErrorCode::BadInput, std::move(what), where}; };
+    const auto level = integer(item, "level");
+    const auto index = integer(item, "index");
+    const auto row = integer(item, "row");
+    const auto col = integer(item, "col");
+    if (!level || !(index || (row && col)) || !item.contains("delta"))
+        return wrong("needs \"level\", \"index\" (or \"row\" and \"col\") and \"delta\"");
+    multires::Move move;
+    move.level = static_cast<int>(std::clamp<std::int64_t>(*level, -1, INT_MAX));
+    if (move.level < 0 || move.level > layout.levels()) return located(multires::check_move(layout, move).error(), where);
+    const LatticeBox box = multires::scaling_box(layout, move.level);
+    move.row = index ? (*index < 0 ? INT64_MAX : box.row0 + *index / box.cols) : *row;
+    move.col = index ? box.col0 + *index % box.cols : *col;
+    if (auto exists = multires::check_move(layout, move); !exists.ok()) return located(exists.error(), where);
+
+    const Json& delta = item["delta"];
+    const std::size_t count = delta.is_array() ? delta.size() : 1;
+    if (count < 1 || count > static_cast<std::size_t>(layout.components))
+        return wrong(fmt::format("\"delta\" has not 1 to {} numbers", layout.components));
+    for (std::size_t k = 0; k < count; ++k) {
+        const Json& component = delta.is_array() ? delta[k] : delta;
+        if (!component.is_number()) return wrong("\"delta\" is not a number");
+        move.delta[k] = component.get<double>();
+    }
+    return move;
+}
+
 /// A list, or {"moves": list}, of {"level": K, "index": N or "row": I, "col": J, "delta": number or list}.
 Result<std::vector<multires::Move>> read_script(const std::string& path, const multires::PyramidLayout& layout) {
     RELIEF_TRY(const auto bytes, io::read_file(path));
-    Json script = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
-    if (script.is_object() && script.contains("moves")) script = Json(script["moves"]);
-    if (!script.is_array())
-        return Error{ErrorCode::BadInput, "is not JSON with a list of moves", path};
+    const Json script = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
+    const Json& list = script.is_object() && script.contains("moves") ? script["moves"] : script;
+    if (!list.is_array()) return Error{ErrorCode::BadInput, "is not JSON with a list of moves", path};
     std::vector<multires::Move> moves;
-    for (const Json& item : script) {
-        const auto where = fmt::format("{}, move {}", path, moves.size() + 1);
-        const auto integer = [&](const char* key) { return item.is_object() && item.contains(key) && item[key].is_number_integer(); };
-        const bool by_index = integer("index");
-        if (!integer("level") || !(by_index || (integer("row") && integer("col"))) || !item.contains("delta"))
-            return Error{ErrorCode::BadInput, "needs \"level\", \"index\" (or \"row\" and \"col\") and \"delta\"", where};
-        multires::Move move;
-        move.level = item["level"].get<int>();
-        if (move.level < 0 || move.level > layout.levels())
-            return Error{ErrorCode::InvalidArgument, multires::check_move(layout, move).error().message, where};
-        const LatticeBox box = multires::scaling_box(layout, move.level);
-        if (by_index) {
-            const auto index = item["index"].get<std::int64_t>();
-            move.row = index < 0 ? INT64_MAX : box.row0 + index / box.cols;
-            move.col = index < 0 ? INT64_MAX : box.col0 + index % box.cols;
-        } else {
-            move.row = item["row"].get<std::int64_t>();
-            move.col = item["col"].get<std::int64_t>();
-        }
-        const Json delta = item["delta"].is_array() ? item["delta"] : Json::array({item["delta"]});
-        if (delta.empty() || delta.size() > static_cast<std::size_t>(layout.components))
-            return Error{ErrorCode::BadInput, "\"delta\" has not 1 to " + std::to_string(layout.components) + " numbers", where};
-        for (std::size_t k = 0; k < delta.size(); ++k) {
-            if (!delta[k].is_number()) return Error{ErrorCode::BadInput, "\"delta\" is not a number", where};
-            move.delta[k] = delta[k].get<double>();
-        }
+    for (const Json& item : list) {
+        RELIEF_TRY(const auto move, read_move(item, layout, fmt::format("{}, move {}", path, moves.size() + 1)));
         moves.push_back(move);
     }
     return moves;
 }
 
-Result<Outcome> run(const Edit& options) {
-    RELIEF_TRY(const auto bytes, io::read_file(options.in));
-    RELIEF_TRY(const codec::RasterFile file, open_relief(options.in));
-    const auto& layout = file.layout();
+Result<std::vector<multires::Move>> moves_of(const Edit& options, const multires::PyramidLayout& layout) {
     std::vector<multires::Move> moves;
-    if (!options.moves.empty()) {
-        if (!options.level) return Error{ErrorCode::InvalidArgument, "--move needs --level K", ""};
-        if (*options.level > layout.levels())
-            return Error{ErrorCode::InvalidArgument,
-                         fmt::format("there is no level {}; the file has levels 0 to {}", *options.level, layout.levels()), ""};
-        for (const std::string& text : options.moves) {
-            RELIEF_TRY(const auto move, parse_move(text, *options.level, layout));
-            moves.push_back(move);
-        }
+    if (!options.moves.empty() && !options.level) return Error{ErrorCode::InvalidArgument, "--move needs --level K", ""};
+    if (options.level.value_or(0) > layout.levels())
+        return Error{ErrorCode::InvalidArgument,
+                     fmt::format("there is no level {}; the file has levels 0 to {}", *options.level, layout.levels()), ""};
+    for (const std::string& text : options.moves) {
+        RELIEF_TRY(const auto move, parse_move(text, *options.level, layout));
+        moves.push_back(move);
     }
     if (!options.script.empty()) {
         RELIEF_TRY(const auto more, read_script(options.script, layout));
         moves.insert(moves.end(), more.begin(), more.end());
     }
     if (moves.empty()) return Error{ErrorCode::InvalidArgument, "nothing to do; give --move or --script", ""};
-    RELIEF_TRY(const auto edited, codec::add_moves(bytes, moves));
-    RELIEF_CHECK(io::write_file_atomically(options.out, edited));
+    return moves;
+}
+
+Result<Outcome> run(const Edit& options) {
+    RELIEF_TRY(const auto bytes, io::read_file(options.in));
+    const auto opened = codec::RasterFile::open(bytes);
+    if (!opened.ok()) return located(opened.error(), options.in);
+    const codec::RasterFile& file = *opened;
+    const auto& layout = file.layout();
+    RELIEF_TRY(const auto moves, moves_of(options, layout));
+    auto edited = codec::add_moves(bytes, moves);
+    if (!edited.ok()) return located(edited.error(), options.in);
+    RELIEF_CHECK(io::write_file_atomically(options.out, *edited));
 
     const auto field = multires::samples_of(layout, multires::displacement<double>(layout, moves, 0), 0);
     std::int64_t touched = 0;
@@ -119,7 +137,7 @@ Result<Outcome> run(const Edit& options) {
                         {"touched", touched},
                         {"bounds", Json{{"col", box.col0}, {"row", box.row0}, {"width", box.cols}, {"height", box.rows}}},
                         {"edits", file.moves().size() + moves.size()},
-                        {"bytes", edited.size()}};
+                        {"bytes", edited->size()}};
     outcome.text = fmt::format("{}: {} control coefficients moved, {} samples touched in columns {} to {}, rows {} to {}\n",
                                options.out, moves.size(), grouped(touched), box.col0, box.col0 + box.cols - 1, box.row0,
                                box.row0 + box.rows - 1);

@@ -66,12 +66,7 @@ Result<Outcome> run(const Encode& options, const Globals& globals) {
     encode.progress = progress_bar(globals, "encoding");
     RELIEF_TRY(const Raster raster, read_any_raster(options.in, globals));
     const auto encoded = codec::encode_raster(raster, encode);
-    if (!encoded.ok()) {
-        Error located = encoded.error();
-        if (located.code != ErrorCode::InvalidArgument)
-            located.where = located.where.empty() ? options.in : options.in + ", " + located.where;
-        return located;
-    }
+    if (!encoded.ok()) return located(encoded.error(), options.in);
     RELIEF_CHECK(io::write_file_atomically(options.out, encoded->bytes));
     Outcome outcome;
     outcome.json = json_of(encoded->report, watch.seconds());

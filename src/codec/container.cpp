@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 
+#include "codec/header_dictionary.h"
 #include "codec/little_endian.h"
 
 namespace relief::codec {
@@ -96,8 +98,11 @@ Result<std::string> read_header(std::span<const std::uint8_t> bytes, const Pream
     if (ZSTD_getFrameContentSize(packed.data(), packed.size()) != preamble.header_size)
         return bad_file("the header has not the size it claims", ContainerReader::kPreambleSize);
     std::string header(preamble.header_size, '\0');
-    const std::size_t size =
-        ZSTD_decompress(header.data(), header.size(), packed.data(), packed.size());
+    const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(),
+                                                                       &ZSTD_freeDCtx);
+    const std::size_t size = ZSTD_decompress_usingDict(
+        context.get(), header.data(), header.size(), packed.data(), packed.size(),
+        kHeaderDictionary.data(), kHeaderDictionary.size());
     if (ZSTD_isError(size) || size != header.size())
         return bad_file("the header can not be decompressed", ContainerReader::kPreambleSize);
     return header;
@@ -191,8 +196,11 @@ Result<std::vector<std::uint8_t>> ContainerWriter::finish() const {
         return Error{ErrorCode::InvalidArgument,
                      "a file holds less than 2^32 chunks; use larger tiles", "directory"};
     std::vector<std::uint8_t> packed(ZSTD_compressBound(header_.size()));
-    packed.resize(
-        ZSTD_compress(packed.data(), packed.size(), header_.data(), header_.size(), kZstdLevel));
+    const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(),
+                                                                       &ZSTD_freeCCtx);
+    packed.resize(ZSTD_compress_usingDict(context.get(), packed.data(), packed.size(),
+                                          header_.data(), header_.size(), kHeaderDictionary.data(),
+                                          kHeaderDictionary.size(), kZstdLevel));
     Preamble preamble;
     preamble.header_bytes = static_cast<std::uint32_t>(packed.size());
     preamble.header_size = static_cast<std::uint32_t>(header_.size());

@@ -1,4 +1,4 @@
-#include "codec/fill.h"
+#include "relief/codec/fill.h"
 
 #include <algorithm>
 

@@ -18,6 +18,22 @@ double magnitude(const multires::Planes<double>& band, std::int64_t r, std::int6
     return std::sqrt(square);
 }
 
+/// What multiplies a magnitude to give its weight: the norm of the band, less where an atom reaches over the border.
+class Weights {
+  public:
+    Weights(const PyramidLayout& layout, Metric metric) : layout_(layout), metric_(metric), coverage_(multires::coverage(layout)) {}
+
+    [[nodiscard]] double operator()(std::size_t band, std::int64_t r, std::int64_t c) const {
+        const double norm = band_norm(layout_.bands[band], metric_);
+        return coverage_.empty() ? norm : norm * std::sqrt(static_cast<double>(coverage_[band](r, c)));
+    }
+
+  private:
+    const PyramidLayout& layout_;
+    Metric metric_;
+    std::vector<Grid<float>> coverage_;
+};
+
 /// Sum over rows of row_sum(r), added in row order whatever the threads.
 template <class RowSum>
 double ordered_sum(std::int64_t rows, RowSum row_sum) {
@@ -108,13 +124,13 @@ Pyramid<double> zeros(const PyramidLayout& layout) {
 
 Selection select_where(const Pyramid<double>& pyramid, double threshold, std::int64_t ties, Metric metric) {
     Selection selection;
+    const Weights weight(pyramid.layout, metric);
     for (std::size_t k = 0; k < pyramid.bands.size(); ++k) {
         const LatticeBox& box = pyramid.layout.bands[k].box;
-        const double norm = band_norm(pyramid.layout.bands[k], metric);
         Grid<std::uint8_t> mask(box.rows, box.cols);
         for (std::int64_t r = 0; r < box.rows; ++r)
             for (std::int64_t c = 0; c < box.cols; ++c) {
-                const double weighted = k == 0 ? INFINITY : magnitude(pyramid.bands[k], r, c) * norm;
+                const double weighted = k == 0 ? INFINITY : magnitude(pyramid.bands[k], r, c) * weight(k, r, c);
                 const bool kept = weighted > threshold || (weighted == threshold && ties-- > 0);
                 mask(r, c) = kept;
                 selection.kept += kept;
@@ -133,13 +149,14 @@ double band_norm(const multires::BandLayout& band, Metric metric) {
 Selection select_largest(const Pyramid<double>& pyramid, std::int64_t keep, Metric metric) {
     const std::int64_t always = pyramid.layout.bands[0].box.count();
     const std::int64_t wanted = std::max<std::int64_t>(0, keep - always);
+    const Weights weight(pyramid.layout, metric);
     std::vector<double> weighted;
     weighted.reserve(static_cast<std::size_t>(pyramid.layout.coefficients() - always));
     for (std::size_t k = 1; k < pyramid.bands.size(); ++k) {
         const LatticeBox& box = pyramid.layout.bands[k].box;
-        const double norm = band_norm(pyramid.layout.bands[k], metric);
         for (std::int64_t r = 0; r < box.rows; ++r)
-            for (std::int64_t c = 0; c < box.cols; ++c) weighted.push_back(magnitude(pyramid.bands[k], r, c) * norm);
+            for (std::int64_t c = 0; c < box.cols; ++c)
+                weighted.push_back(magnitude(pyramid.bands[k], r, c) * weight(k, r, c));
     }
     if (wanted >= static_cast<std::int64_t>(weighted.size())) return select_where(pyramid, -1, 0, metric);
     if (wanted == 0) return select_where(pyramid, std::numeric_limits<double>::max(), 0, metric);

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "codec/corrections.h"
-#include "codec/fill.h"
+#include "relief/codec/fill.h"
 #include "codec/level_chunks.h"
 #include "codec/raster_header.h"
 #include "relief/codec/container.h"
@@ -153,11 +153,10 @@ class Encoder {
         return copy;
     }
 
-    /// Coefficients are redundant: what one loses another can take over, so least squares pays at every rate.
-    [[nodiscard]] bool is_frame() const { return pyramid_.layout.coefficients() > 2 * raster_.rows * raster_.cols; }
-
+    /// Quantised coefficients for a unit. Least squares over those that will not be zero takes 10 to 20 % off the file at the
+    /// same error: atoms of one level overlap and can take over what their neighbours lose.
     Candidate at_unit(double unit) {
-        if (options_.effort == Effort::Select || !is_frame())
+        if (options_.effort == Effort::Select)
             return evaluated(quantise(pyramid_, unit, kDeadZoneRounding));
         Pyramid<double> chosen = copy_of_pyramid();
         if (options_.effort == Effort::Reselect) {
@@ -413,7 +412,7 @@ class Encoder {
 
     /// What was written is decoded and compared: the bound is of the file, not of an intention.
     Status verify(const std::vector<std::uint8_t>& bytes, const Error2& expected) {
-        RELIEF_TRY(const RasterFile file, RasterFile::open(bytes, bytes.size()));
+        RELIEF_TRY(const RasterFile file, RasterFile::open(bytes));
         RELIEF_TRY(const Raster decoded, file.decode(0));
         const Error2 found = surface_error(raster_, decoded.planes);
         const bool over = effective_goal() == Kind::MaxError && found.max > options_.goal.value;

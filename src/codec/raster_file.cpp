@@ -22,6 +22,27 @@ using multires::Planes;
 namespace {
 
 constexpr std::uint64_t kMoveBytes = 4 + 2 * 8 + 4 * 8;
+constexpr double kLargestMove = 1e300;
+
+/// Samples that a header may claim: any raster of some size, or so many a byte that only one without content has more.
+constexpr std::uint64_t kSamplesAlways = std::uint64_t{1} << 28;
+constexpr std::uint64_t kSamplesPerByte = std::uint64_t{1} << 16;
+
+/// Sizes are believed before anything of their size is allocated, so they must be believable.
+Status check_size(const Raster& description, int components, std::uint64_t file_size) {
+    const auto samples = static_cast<std::uint64_t>(description.rows) * static_cast<std::uint64_t>(description.cols);
+    const std::uint64_t bytes = std::min(file_size, std::uint64_t{1} << 40);
+    const std::uint64_t most = std::max(kSamplesAlways, kSamplesPerByte * bytes);
+    if (samples <= most / static_cast<std::uint64_t>(components)) return {};
+    return Error{ErrorCode::BadFile,
+                 "claims " + std::to_string(description.cols) + " x " + std::to_string(description.rows) + " samples, too many for " +
+                     std::to_string(file_size) + " bytes; the file is damaged",
+                 "header"};
+}
+
+bool is_displacement(const Move& move) {
+    return std::all_of(move.delta.begin(), move.delta.end(), [](double d) { return std::abs(d) <= kLargestMove; });
+}
 
 std::vector<std::uint8_t> write_moves(const std::vector<Move>& moves) {
     ByteWriter out;
@@ -39,15 +60,14 @@ Result<std::vector<Move>> read_moves(std::span<const std::uint8_t> bytes, const 
     const Error damaged{ErrorCode::BadFile, "the edits are damaged", "edit chunk"};
     ByteReader in(bytes);
     const std::uint64_t count = in.u64();
-    if (in.failed() || count > in.rest().size() / kMoveBytes) return damaged;
+    if (in.failed() || in.rest().size() % kMoveBytes != 0 || count != in.rest().size() / kMoveBytes) return damaged;
     std::vector<Move> moves(count);
     for (Move& move : moves) {
         move.level = static_cast<int>(std::min<std::uint32_t>(in.u32(), 1000));
         move.row = in.i64();
         move.col = in.i64();
         for (double& delta : move.delta) delta = in.f64();
-        const bool finite = std::all_of(move.delta.begin(), move.delta.end(), [](double d) { return std::isfinite(d); });
-        if (!finite || !multires::check_move(layout, move).ok()) return damaged;
+        if (!is_displacement(move) || !multires::check_move(layout, move).ok()) return damaged;
     }
     return moves;
 }
@@ -56,6 +76,14 @@ void add(Planes<double>& to, const Planes<double>& from) {
     for (std::size_t p = 0; p < to.size(); ++p)
         for (std::int64_t r = 0; r < to[p].rows(); ++r)
             for (std::int64_t c = 0; c < to[p].cols(); ++c) to[p](r, c) += from[p](r, c);
+}
+
+bool all_finite(const Planes<double>& planes) {
+    return std::all_of(planes.begin(), planes.end(), [](const Grid<double>& plane) {
+        for (std::int64_t r = 0; r < plane.rows(); ++r)
+            if (!std::all_of(plane.row(r), plane.row(r) + plane.cols(), [](double v) { return std::isfinite(v); })) return false;
+        return true;
+    });
 }
 
 /// The georeference of every 2^level-th sample: centres stay where they are.
@@ -79,12 +107,16 @@ struct RasterFile::State {
     PyramidLayout layout;
     Grid<std::uint8_t> mask;
     std::vector<Move> moves;
-    std::vector<std::size_t> level_chunks;  ///< container chunk of scaling, details L, .. details 1
+    // Places in the container's directory.
+    std::vector<std::size_t> level_chunks;  ///< scaling, details L, .. details 1
     std::optional<std::size_t> correction_chunk;
+    std::optional<std::size_t> mask_chunk;
+    std::optional<std::size_t> edits_chunk;
     int complete_levels = 0;                ///< leading level chunks inside the prefix
     std::vector<float> steps;
 
-    Status read_structure();
+    Status read_structure(std::uint64_t file_size);
+    Status find_chunks();
     Status read_side_data();
     [[nodiscard]] Result<Quantised> read_bands(int level) const;
     [[nodiscard]] Result<LevelCoefficients<double>> base_coefficients(int level) const;
@@ -92,52 +124,59 @@ struct RasterFile::State {
     [[nodiscard]] Result<Planes<double>> corrected_samples(int level) const;
 };
 
-Status RasterFile::State::read_structure() {
+Status RasterFile::State::read_structure(std::uint64_t file_size) {
     RELIEF_TRY(header, read_header(container->header()));
+    RELIEF_CHECK(check_size(header.description, header.components, file_size));
     auto bands = multires::layout(header.spec, header.description.rows, header.description.cols, header.components);
     if (!bands.ok())
         return Error{ErrorCode::BadFile, "describes an impossible pyramid: " + bands.error().message, "header"};
     layout = *std::move(bands);
-    std::vector<std::size_t> found(static_cast<std::size_t>(layout.levels() + 1), SIZE_MAX);
+    return find_chunks();
+}
+
+Status RasterFile::State::find_chunks() {
+    const auto wrong = [](const char* what) {
+        return Error{ErrorCode::BadFile, std::string(what) + "; the file is damaged", "directory"};
+    };
+    std::vector<std::optional<std::size_t>> levels(static_cast<std::size_t>(layout.levels() + 1));
     for (std::size_t k = 0; k < container->chunks().size(); ++k) {
         const ChunkInfo& chunk = container->chunks()[k];
-        if (chunk.kind == ChunkKind::Correction) correction_chunk = k;
-        const bool scaling = chunk.kind == ChunkKind::Scaling;
-        if (!scaling && chunk.kind != ChunkKind::Level) continue;
-        const int number = scaling ? 0 : layout.levels() - static_cast<int>(chunk.level) + 1;
-        if (number < 0 || number > layout.levels() || (number == 0) != scaling)
-            return Error{ErrorCode::BadFile, "lists a level that does not exist", "directory"};
-        found[static_cast<std::size_t>(number)] = k;
+        std::optional<std::size_t>* place = nullptr;
+        if (chunk.kind == ChunkKind::Mask) place = &mask_chunk;
+        if (chunk.kind == ChunkKind::Edits) place = &edits_chunk;
+        if (chunk.kind == ChunkKind::Correction) place = &correction_chunk;
+        if (chunk.kind == ChunkKind::Scaling) place = levels.data();
+        if (chunk.kind == ChunkKind::Level) {
+            if (chunk.level < 1 || chunk.level > layout.levels()) return wrong("lists a level that does not exist");
+            place = &levels[static_cast<std::size_t>(layout.levels() + 1 - chunk.level)];
+        }
+        if (place && place->has_value()) return wrong("lists a chunk twice");
+        if (place) *place = k;
     }
-    for (const std::size_t k : found)
-        if (k == SIZE_MAX) return Error{ErrorCode::BadFile, "a level is missing", "directory"};
-    level_chunks = std::move(found);
-    while (complete_levels < static_cast<int>(level_chunks.size()) &&
-           container->complete(level_chunks[static_cast<std::size_t>(complete_levels)]))
-        ++complete_levels;
-    if (complete_levels == 0)
-        return Error{ErrorCode::BadFile, "not even the coarsest level is inside the bytes given; give more of the file", ""};
+    for (const auto& level : levels) {
+        if (!level) return wrong("lacks a level");
+        level_chunks.push_back(*level);
+    }
+    if (header.has_mask != mask_chunk.has_value()) return wrong("does not agree with the header about a mask");
     return {};
 }
 
 Status RasterFile::State::read_side_data() {
-    bool has_mask = false;
-    for (std::size_t k = 0; k < container->chunks().size(); ++k) {
-        const ChunkInfo& chunk = container->chunks()[k];
-        if (!container->complete(k)) continue;
-        if (chunk.kind == ChunkKind::Mask) {
-            RELIEF_TRY(const auto data, container->chunk(k));
-            mask = Grid<std::uint8_t>(layout.rows, layout.cols);
-            RELIEF_CHECK(decode_mask(data, mask.view()));
-            has_mask = true;
-        }
-        if (chunk.kind == ChunkKind::Edits) {
-            RELIEF_TRY(const auto data, container->chunk(k));
-            RELIEF_TRY(moves, read_moves(data, layout));
-        }
+    while (complete_levels <= layout.levels() &&
+           container->complete(level_chunks[static_cast<std::size_t>(complete_levels)]))
+        ++complete_levels;
+    const auto cut = [&](std::optional<std::size_t> chunk) { return chunk && !container->complete(*chunk); };
+    if (complete_levels == 0 || cut(mask_chunk) || cut(edits_chunk))
+        return Error{ErrorCode::BadFile, "not even the coarsest level is inside the bytes given; give more of the file", ""};
+    if (mask_chunk) {
+        RELIEF_TRY(const auto data, container->chunk(*mask_chunk));
+        mask = Grid<std::uint8_t>(layout.rows, layout.cols);
+        RELIEF_CHECK(decode_mask(data, mask.view()));
     }
-    if (header.has_mask && !has_mask)
-        return Error{ErrorCode::BadFile, "the mask of NODATA samples is missing", "directory"};
+    if (edits_chunk) {
+        RELIEF_TRY(const auto data, container->chunk(*edits_chunk));
+        RELIEF_TRY(moves, read_moves(data, layout));
+    }
     return {};
 }
 
@@ -181,7 +220,8 @@ Result<Planes<double>> RasterFile::State::corrected_samples(int level) const {
     RELIEF_TRY(const auto data, container->chunk(*correction_chunk));
     RELIEF_TRY(const Corrections corrections, read_corrections(data, layout.rows, layout.cols, layout.components));
     apply_corrections(corrections, header.description.type, header.description.nodata, samples);
-    return samples;
+    if (all_finite(samples)) return samples;
+    return Error{ErrorCode::BadFile, "the corrections give samples that are not numbers; the file is damaged", "correction chunk"};
 }
 
 RasterFile::RasterFile(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -189,18 +229,23 @@ RasterFile::RasterFile(RasterFile&&) noexcept = default;
 RasterFile& RasterFile::operator=(RasterFile&&) noexcept = default;
 RasterFile::~RasterFile() = default;
 
-Result<RasterFile> RasterFile::open(std::vector<std::uint8_t> bytes, std::uint64_t file_size) {
+Result<RasterFile> RasterFile::open_prefix(std::vector<std::uint8_t> bytes, std::uint64_t file_size) {
     auto state = std::make_unique<State>();
     state->bytes = std::move(bytes);
     RELIEF_TRY(state->container, ContainerReader::open(state->bytes, file_size));
-    if (file_size < state->container->complete_size())
-        return Error{ErrorCode::BadFile,
-                     "is cut off: " + std::to_string(file_size) + " of " + std::to_string(state->container->complete_size()) +
-                         " bytes are there; 'decode --bytes " + std::to_string(file_size) + "' reads what is left",
-                     ""};
-    RELIEF_CHECK(state->read_structure());
+    RELIEF_CHECK(state->read_structure(file_size));
     RELIEF_CHECK(state->read_side_data());
     return RasterFile(std::move(state));
+}
+
+Result<RasterFile> RasterFile::open(std::vector<std::uint8_t> bytes) {
+    const std::uint64_t size = bytes.size();
+    RELIEF_TRY(RasterFile file, open_prefix(std::move(bytes), size));
+    if (size == file.size()) return file;
+    return Error{ErrorCode::BadFile,
+                 "is cut off: " + std::to_string(size) + " of " + std::to_string(file.size()) +
+                     " bytes are there; 'decode --bytes " + std::to_string(size) + "' reads what is left",
+                 ""};
 }
 
 const Raster& RasterFile::description() const { return state_->header.description; }
@@ -330,13 +375,12 @@ Result<Raster> RasterFile::decode(int level) const {
 
 Result<std::vector<std::uint8_t>> add_moves(std::span<const std::uint8_t> file, const std::vector<Move>& moves) {
     RELIEF_TRY(const RasterFile opened,
-               RasterFile::open(std::vector<std::uint8_t>(file.begin(), file.end()), file.size()));
+               RasterFile::open(std::vector<std::uint8_t>(file.begin(), file.end())));
     std::vector<Move> all = opened.moves();
     for (const Move& move : moves) {
         RELIEF_CHECK(multires::check_move(opened.layout(), move));
-        for (const double delta : move.delta)
-            if (!std::isfinite(delta))
-                return Error{ErrorCode::InvalidArgument, "a displacement is not a finite number", ""};
+        if (!is_displacement(move))
+            return Error{ErrorCode::InvalidArgument, "a displacement is not a number of at most 1e300", ""};
         all.push_back(move);
     }
     RELIEF_TRY(const ContainerReader reader, ContainerReader::open(file, file.size()));
@@ -344,10 +388,10 @@ Result<std::vector<std::uint8_t>> add_moves(std::span<const std::uint8_t> file, 
     for (std::size_t k = 0; k < reader.chunks().size(); ++k) {
         const ChunkInfo& chunk = reader.chunks()[k];
         if (chunk.kind == ChunkKind::Edits) continue;
+        if (chunk.kind == ChunkKind::Scaling) RELIEF_CHECK(writer.add({.kind = ChunkKind::Edits}, write_moves(all)));
         RELIEF_TRY(const auto data, reader.chunk(k));
         RELIEF_CHECK(writer.add(chunk, data));
     }
-    RELIEF_CHECK(writer.add({.kind = ChunkKind::Edits}, write_moves(all)));
     return writer.finish();
 }
 

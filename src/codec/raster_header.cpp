@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 namespace relief::codec {
 
@@ -40,29 +41,27 @@ class Reader {
         } else if constexpr (std::is_same_v<T, bool>) {
             if (found->is_boolean()) return found->template get<bool>();
         } else if constexpr (std::is_integral_v<T>) {
-            if (found->is_number_integer()) return found->template get<T>();
+            if (found->is_number_integer() && std::in_range<T>(found->template get<std::int64_t>()))
+                return found->template get<T>();
         } else {
             if (found->is_number()) return found->template get<T>();
             if (*found == "nan") return NAN;
             if (*found == "inf") return INFINITY;
             if (*found == "-inf") return -INFINITY;
         }
-        fail(std::string("member '") + name + "' has the wrong type");
+        fail(std::string("member '") + name + "' has the wrong type or range");
         return fallback;
     }
 
-    [[nodiscard]] Json object(const char* name) {
-        const auto found = object_.find(name);
-        if (found == object_.end()) return Json::object();
-        if (!found->is_object()) fail(std::string("member '") + name + "' is not an object");
-        return found->is_object() ? *found : Json::object();
+    // No copies: they would recurse, and hostile texts nest deeply.
+    [[nodiscard]] const Json& object(const char* name) {
+        static const Json none = Json::object();
+        return member(name, none, "an object");
     }
 
-    [[nodiscard]] Json array(const char* name) {
-        const auto found = object_.find(name);
-        if (found == object_.end()) return Json::array();
-        if (!found->is_array()) fail(std::string("member '") + name + "' is not a list");
-        return found->is_array() ? *found : Json::array();
+    [[nodiscard]] const Json& array(const char* name) {
+        static const Json none = Json::array();
+        return member(name, none, "a list");
     }
 
     void fail(std::string what) {
@@ -74,6 +73,15 @@ class Reader {
     }
 
   private:
+    /// The member if it is of the kind of `none`, which stands for one that is missing.
+    const Json& member(const char* name, const Json& none, const std::string& kind) {
+        const auto found = object_.find(name);
+        if (found == object_.end()) return none;
+        if (found->type() == none.type()) return *found;
+        fail(std::string("member '") + name + "' is not " + kind);
+        return none;
+    }
+
     const Json& object_;
     std::string problem_;
 };
@@ -90,7 +98,7 @@ Status read_georeference(const Json& json, GeoReference& geo) {
     Reader reader(json);
     geo.crs_wkt = reader.get<std::string>("crs", "");
     geo.pixel_is_point = reader.get("point", false);
-    const Json transform = reader.array("transform");
+    const Json& transform = reader.array("transform");
     if (!transform.empty()) {
         std::array<double, 6> values{};
         if (transform.size() != 6) return bad("the geotransform has not 6 numbers");
@@ -206,9 +214,9 @@ Result<RasterHeader> read_header(const std::string& text) {
     RasterHeader header;
     Reader reader(json);
     const auto content = reader.get<std::string>("content", "", true);
-    const Json scheme = reader.object("scheme");
-    const Json goal_json = reader.object("goal");
-    const Json error_json = reader.object("error");
+    const Json& scheme = reader.object("scheme");
+    const Json& goal_json = reader.object("goal");
+    const Json& error_json = reader.object("error");
     RELIEF_CHECK(reader.status());
     if (content != "raster")
         return Error{ErrorCode::Unsupported, "holds '" + content + "', this version reads rasters only", "header"};

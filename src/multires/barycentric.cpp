@@ -11,15 +11,22 @@ namespace relief::multires::barycentric {
 namespace {
 
 constexpr int kMostLevels = 24;
-/// By default a further level must leave at most a third of the scaling coefficients: where the border ring is most of what
-/// there is, its extrapolated values cost more than they describe.
-constexpr std::int64_t kLeastReduction = 3;
+/// By default a further level must divide the number of scaling coefficients by at least this much (4 without borders): where
+/// the border ring is a large part of what there is, its extrapolated values cost more than they describe.
+constexpr double kLeastReduction = 3.3;
 
 /// First and number of coarse x with [2x + k0, 2x + k1] meeting [lo, hi].
 std::pair<std::int64_t, std::int64_t> reaching(std::int64_t lo, std::int64_t hi, std::int64_t k0, std::int64_t k1) {
     const std::int64_t first = (lo - k1 + 1) >> 1;
     const std::int64_t last = (hi - k0) >> 1;
     return {first, last - first + 1};
+}
+
+/// First and number of coarse x with [2x + k0, 2x + k0 + size - 1] inside [lo, hi].
+std::pair<std::int64_t, std::int64_t> fully_inside(std::int64_t lo, std::int64_t hi, std::int64_t k0, std::int64_t size) {
+    const std::int64_t first = (lo - k0 + 1) >> 1;
+    const std::int64_t last = (hi - k0 - size + 1) >> 1;
+    return {first, std::max<std::int64_t>(0, last - first + 1)};
 }
 
 /// The spec of a layout is valid, so its bank exists.
@@ -72,6 +79,33 @@ Grid<T> divided(const FilterBank& bank, GridView<const T> fine, const LatticeBox
     return grid;
 }
 
+/// Coverage of one channel from that of the finer scaling coefficients, whose box is `fine_box`; the fine ones are fully
+/// covered inside `full`. Squares of the synthesis kernel are the weights.
+Grid<float> channel_coverage(const HexKernel& kernel, const LatticeBox& box, const Grid<float>& fine,
+                             const LatticeBox& fine_box, const LatticeBox& full) {
+    double total = 0;
+    for (const double tap : kernel.taps) total += tap * tap;
+    const auto part = [&](std::int64_t row, std::int64_t col) {
+        double sum = 0;
+        std::size_t k = 0;
+        for (std::int64_t i = kernel.box.row0; i < kernel.box.row0 + kernel.box.rows; ++i)
+            for (std::int64_t j = kernel.box.col0; j < kernel.box.col0 + kernel.box.cols; ++j, ++k)
+                if (fine_box.contains(2 * row + i, 2 * col + j))
+                    sum += kernel.taps[k] * kernel.taps[k] *
+                           static_cast<double>(fine(2 * row + i - fine_box.row0, 2 * col + j - fine_box.col0));
+        return static_cast<float>(sum / total);
+    };
+    const auto inside = [&](std::int64_t row, std::int64_t col) {
+        return full.contains(2 * row + kernel.box.row0, 2 * col + kernel.box.col0) &&
+               full.contains(2 * row + kernel.box.row0 + kernel.box.rows - 1, 2 * col + kernel.box.col0 + kernel.box.cols - 1);
+    };
+    Grid<float> grid(box.rows, box.cols);
+    for (std::int64_t r = 0; r < box.rows; ++r)
+        for (std::int64_t c = 0; c < box.cols; ++c)
+            grid(r, c) = inside(box.row0 + r, box.col0 + c) ? 1.0F : part(box.row0 + r, box.col0 + c);
+    return grid;
+}
+
 }  // namespace
 
 std::array<LatticeBox, 8> channel_boxes(const FilterBank& bank, const LatticeBox& fine) {
@@ -101,7 +135,8 @@ Result<PyramidLayout> layout(const SchemeSpec& spec, std::int64_t rows, std::int
     LatticeBox fine{0, 0, rows, cols};
     while (static_cast<int>(levels.size()) < (spec.levels < 0 ? kMostLevels : spec.levels)) {
         const auto boxes = channel_boxes(bank, fine);
-        if (spec.levels < 0 && boxes[0].count() * (levels.empty() ? 1 : kLeastReduction) >= fine.count()) break;
+        const double reduction = static_cast<double>(fine.count()) / static_cast<double>(boxes[0].count());
+        if (spec.levels < 0 && (reduction <= 1 || (!levels.empty() && reduction < kLeastReduction))) break;
         levels.push_back(boxes);
         fine = boxes[0];
     }
@@ -117,6 +152,28 @@ Result<PyramidLayout> layout(const SchemeSpec& spec, std::int64_t rows, std::int
 
 LatticeBox level_box(const PyramidLayout& layout, int level) {
     return scaling_boxes(bank_of(layout), layout.rows, layout.cols, level).back();
+}
+
+std::vector<Grid<float>> coverage(const PyramidLayout& layout) {
+    const FilterBank bank = bank_of(layout);
+    const auto boxes = scaling_boxes(bank, layout.rows, layout.cols, layout.levels());
+    std::vector<Grid<float>> result(layout.bands.size());
+    Grid<float> fine(layout.rows, layout.cols, 1.0F);
+    LatticeBox full = boxes[0];
+    for (int l = 1; l <= layout.levels(); ++l) {
+        const LatticeBox& fine_box = boxes[static_cast<std::size_t>(l - 1)];
+        for (int c = 1; c < 8; ++c) {
+            const std::size_t k = band_index(layout, l, c);
+            result[k] = channel_coverage(synthesis_kernel(bank, c), layout.bands[k].box, fine, fine_box, full);
+        }
+        const HexKernel scaling = synthesis_kernel(bank, 0);
+        fine = channel_coverage(scaling, boxes[static_cast<std::size_t>(l)], fine, fine_box, full);
+        const auto rows = fully_inside(full.row0, full.row0 + full.rows - 1, scaling.box.row0, scaling.box.rows);
+        const auto cols = fully_inside(full.col0, full.col0 + full.cols - 1, scaling.box.col0, scaling.box.cols);
+        full = {rows.first, cols.first, rows.second, cols.second};
+    }
+    result[0] = std::move(fine);
+    return result;
 }
 
 template <class T>

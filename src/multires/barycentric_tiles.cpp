@@ -1,8 +1,10 @@
 #include "multires/barycentric_tiles.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
+#include "multires/haar_level.h"
 #include "relief/core/parallel.h"
 #include "relief/core/rows.h"
 
@@ -97,8 +99,11 @@ class AnalysisTile {
 
   private:
     void load(std::int64_t r) {
-        fine_.fill(r, 2 * e0_, 2 * ne_, line_.data());
-        row_split(line_.data(), ne_, input_.row(r, 0), input_.row(r, 1));
+        const LatticeBox& stored = fine_.box();
+        const bool inside = stored.contains(r, 2 * e0_) && stored.contains(r, 2 * (e0_ + ne_) - 1);
+        if (!inside) fine_.fill(r, 2 * e0_, 2 * ne_, line_.data());
+        const T* row = inside ? fine_.at(r, 2 * e0_) : line_.data();
+        row_split(row, ne_, input_.row(r, 0), input_.row(r, 1));
     }
 
     /// s_X(r) = sum X(n) fine(r + n), even and odd columns apart: lanes 2 X + parity.
@@ -183,7 +188,7 @@ class SynthesisTile {
     const T* coarse_row(int c, std::int64_t x) {
         const Channel<const T>& channel = channels_[static_cast<std::size_t>(c)];
         const LatticeBox& box = channel.box;
-        if (!channel.view.data || x < box.row0 || x >= box.row0 + box.rows) return nullptr;
+        if (x < box.row0 || x >= box.row0 + box.rows) return nullptr;
         const T* row = channel.view.row(x - box.row0);
         if (c0_ >= box.col0 && c0_ + nc_ <= box.col0 + box.cols) return row + (c0_ - box.col0);
         T* copy = padded_.row(x, c);
@@ -328,6 +333,8 @@ void ZeroRows<T>::fill(std::int64_t row, std::int64_t col0, std::int64_t n, T* o
 template <class T>
 void analyse_level(const Sequence& low, const Sequence& high, double scale, const RowSource<T>& fine,
                    const std::array<Channel<T>, 8>& channels) {
+    if (is_haar(low, high))
+        return analyse_haar_level(static_cast<T>(scale * std::pow(low.taps[0], 3)), fine, channels);
     const FilterPair<T> filters(low, high);
     LatticeBox all = channels[0].box;
     for (const Channel<T>& channel : channels) {
@@ -346,6 +353,9 @@ void analyse_level(const Sequence& low, const Sequence& high, double scale, cons
 template <class T>
 void synthesise_level(const Sequence& low, const Sequence& high, double scale,
                       const std::array<Channel<const T>, 8>& channels, const LatticeBox& box, GridView<T> fine) {
+    if (is_haar(low, high))
+        return synthesise_haar_level(static_cast<T>(scale * std::pow(low.taps[0], 3)), channels,
+                                     fine);
     const FilterPair<T> filters(low, high);
     const std::int64_t first = floor_half(box.col0);
     const LatticeBox pairs{box.row0, first, box.rows, floor_half(box.col0 + box.cols - 1) - first + 1};

@@ -9,40 +9,53 @@
 /// One level of the barycentric transform, tile by tile. Private to the module.
 namespace relief::multires::barycentric {
 
-/// Where analysis reads fine rows from: any lattice point has a value.
+/// Where analysis reads fine rows from: a grid on a box, and a value for every lattice point around
+/// it.
 template <class T>
 class RowSource {
   public:
+    RowSource(GridView<const T> grid, const LatticeBox& box) : grid_(grid), box_(box) {}
     virtual ~RowSource() = default;
     /// out[k] = value at (row, col0 + k), k < n.
     virtual void fill(std::int64_t row, std::int64_t col0, std::int64_t n, T* out) const = 0;
+
+    /// Where values are those of the grid.
+    [[nodiscard]] const LatticeBox& box() const { return box_; }
+    /// The address of a value inside the box.
+    [[nodiscard]] const T* at(std::int64_t row, std::int64_t col) const {
+        return grid_.row(row - box_.row0) + (col - box_.col0);
+    }
+
+  protected:
+    GridView<const T> grid_;
+    LatticeBox box_;
 };
 
 /// The extension of the specification's section 5: c(-k) = 2 c(0) - c(k), first along rows (i), then along columns.
 template <class T>
 class ExtendedRows final : public RowSource<T> {
   public:
-    ExtendedRows(GridView<const T> grid, const LatticeBox& box) : grid_(grid), box_(box) {}
+    using RowSource<T>::RowSource;
     void fill(std::int64_t row, std::int64_t col0, std::int64_t n, T* out) const override;
 
   private:
-    GridView<const T> grid_;
-    LatticeBox box_;
+    using RowSource<T>::grid_;
+    using RowSource<T>::box_;
 };
 
 /// Zero outside the box: what the transpose of synthesis sees; or, with a box that is large enough, a plain copy.
 template <class T>
 class ZeroRows final : public RowSource<T> {
   public:
-    ZeroRows(GridView<const T> grid, const LatticeBox& box) : grid_(grid), box_(box) {}
+    using RowSource<T>::RowSource;
     void fill(std::int64_t row, std::int64_t col0, std::int64_t n, T* out) const override;
 
   private:
-    GridView<const T> grid_;
-    LatticeBox box_;
+    using RowSource<T>::grid_;
+    using RowSource<T>::box_;
 };
 
-/// One of the 8 channels of a level; `view` may be null in synthesis: all zero.
+/// One of the 8 channels of a level.
 template <class T>
 struct Channel {
     LatticeBox box;

@@ -2,7 +2,7 @@
 
 #include "multires/box_adjoint.h"
 #include "multires/box_factors.h"
-#include "multires/box_rows.h"
+#include "multires/row_copy.h"
 #include "relief/core/grid.h"
 
 /// One level of the transform on a raster of at least 2 x 2, as a pipeline of rows: all steps of a

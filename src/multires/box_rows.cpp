@@ -1,12 +1,9 @@
 #include "multires/box_rows.h"
 
-#include <algorithm>
-
 #include "relief/core/simd.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "multires/box_rows.cpp"
-#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -71,32 +68,6 @@ void from_ends(T ends, const T* e, const T* begin, const T* end, std::int64_t n,
     for (; j < n; ++j) out[j] = e[j] + ends * (begin[j] + end[j]);
 }
 
-template <class T>
-void copy(const T* row, std::int64_t n, T* out) {
-    const hn::ScalableTag<T> d;
-    const auto lanes = static_cast<std::int64_t>(hn::Lanes(d));
-    std::int64_t j = 0;
-    for (; j + lanes <= n; j += lanes) hn::StoreU(hn::LoadU(d, row + j), d, out + j);
-    for (; j < n; ++j) out[j] = row[j];
-}
-
-/// Past the caches from the first cache line of `out` to its last whole one.
-template <class T>
-void stream(const T* row, std::int64_t n, T* out) {
-    const hn::CappedTag<T, 64 / sizeof(T)> d;
-    const auto lanes = static_cast<std::int64_t>(hn::Lanes(d));
-    constexpr std::int64_t line = 64 / sizeof(T);
-    const auto misaligned =
-        static_cast<std::int64_t>(reinterpret_cast<std::uintptr_t>(out) % 64 / sizeof(T));
-    const std::int64_t head = std::min(n, (line - misaligned) % line);
-    std::int64_t j = 0;
-    for (; j < head; ++j) out[j] = row[j];
-    for (; j + line <= n; j += line)
-        for (std::int64_t k = j; k < j + line; k += lanes)
-            hn::Stream(hn::LoadU(d, row + k), d, out + k);
-    for (; j < n; ++j) out[j] = row[j];
-}
-
 #define RELIEF_KERNELS(T, S)                                                            \
     void step_##S(T c, T r, const T* v, const Six<T>& a, std::int64_t n, T* o) {        \
         step(c, r, v, a, n, o);                                                         \
@@ -106,12 +77,6 @@ void stream(const T* row, std::int64_t n, T* out) {
     }                                                                                   \
     void from_ends_##S(T a, const T* e, const T* v, const T* w, std::int64_t n, T* o) { \
         from_ends(a, e, v, w, n, o);                                                    \
-    }                                                                                   \
-    void copy_##S(const T* r, std::int64_t n, T* o) {                                   \
-        copy(r, n, o);                                                                  \
-    }                                                                                   \
-    void stream_##S(const T* r, std::int64_t n, T* o) {                                 \
-        stream(r, n, o);                                                                \
     }
 RELIEF_KERNELS(float, f)
 RELIEF_KERNELS(double, d)
@@ -128,8 +93,6 @@ namespace relief::multires::box {
     HWY_EXPORT(step_##S);                                                                         \
     HWY_EXPORT(predict_##S);                                                                      \
     HWY_EXPORT(from_ends_##S);                                                                    \
-    HWY_EXPORT(copy_##S);                                                                         \
-    HWY_EXPORT(stream_##S);                                                                       \
     template <>                                                                                   \
     void step_row(T c, T r, const T* v, const std::array<const T*, 6>& a, std::int64_t n,         \
                   T* out) {                                                                       \
@@ -150,24 +113,10 @@ namespace relief::multires::box {
                                T* out) {                                                          \
         if (simd_enabled()) return HWY_DYNAMIC_DISPATCH(from_ends_##S)(a, e, begin, end, n, out); \
         for (std::int64_t j = 0; j < n; ++j) out[j] = e[j] + a * (begin[j] + end[j]);             \
-    }                                                                                             \
-    template <>                                                                                   \
-    void copy_row(const T* row, std::int64_t n, T* out, Traffic traffic) {                        \
-        if (!simd_enabled()) {                                                                    \
-            std::copy_n(row, n, out);                                                             \
-        } else if (traffic == Traffic::Streamed) {                                                \
-            HWY_DYNAMIC_DISPATCH(stream_##S)(row, n, out);                                        \
-        } else {                                                                                  \
-            HWY_DYNAMIC_DISPATCH(copy_##S)(row, n, out);                                          \
-        }                                                                                         \
     }
 RELIEF_EXPORT(float, f)
 RELIEF_EXPORT(double, d)
 #undef RELIEF_EXPORT
-
-void finish_streaming() {
-    hwy::FlushStream();
-}
 
 }  // namespace relief::multires::box
 #endif  // HWY_ONCE

@@ -219,6 +219,10 @@ LatticeBox scaling_box(const PyramidLayout& layout, int level) {
     return scheme_layout(spec, layout.rows, layout.cols, 1)->bands[0].box;
 }
 
+std::vector<Grid<float>> coverage(const PyramidLayout& layout) {
+    return layout.spec.id == SchemeId::Barycentric ? barycentric::coverage(layout) : std::vector<Grid<float>>{};
+}
+
 template <class T>
 LevelCoefficients<T> coefficients(const Pyramid<T>& pyramid, int level) {
     LevelCoefficients<T> result;

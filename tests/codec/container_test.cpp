@@ -1,6 +1,10 @@
 #include "relief/codec/container.h"
 
 #include <fstream>
+
+#include "codec/header_dictionary.h"
+
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
 
@@ -64,6 +68,14 @@ TEST(Container, HoldsNoChunksAndEmptyHeaders) {
     EXPECT_EQ(reader.value().header(), "");
     EXPECT_TRUE(reader.value().chunks().empty());
     EXPECT_EQ(reader.value().complete_size(), file.size());
+}
+
+/// The dictionary is part of the format: the documented text and the one that is compiled in are the same 7825 bytes.
+TEST(Container, DictionaryIsTheDocumentedOne) {
+    std::ifstream file(std::string(RELIEF_TEST_DATA) + "/../../docs/header-dictionary.txt", std::ios::binary);
+    const std::string documented((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+    EXPECT_EQ(documented.size(), 7825U);
+    EXPECT_EQ(documented, kHeaderDictionary);
 }
 
 TEST(Container, EveryPrefixOpensOnceItsDirectoryIsThere) {

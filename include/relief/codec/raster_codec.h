@@ -77,9 +77,11 @@ struct ChunkSummary {
 /// An opened .relief raster, or a prefix of one: which levels it can give is `finest_level`.
 class RasterFile {
   public:
-    /// `bytes` is the file or a prefix of it, `file_size` the size of the whole file. Everything is checked, nothing
-    /// trusted; chunks that the prefix cuts are left out. Errors: BadFile saying what is damaged; Unsupported.
-    [[nodiscard]] static Result<RasterFile> open(std::vector<std::uint8_t> bytes, std::uint64_t file_size);
+    /// A whole file. Everything is checked, nothing trusted. Errors: BadFile saying what is damaged or cut off; Unsupported.
+    [[nodiscard]] static Result<RasterFile> open(std::vector<std::uint8_t> bytes);
+    /// The first bytes of a file of `file_size` bytes, which may itself have lost its end: chunks that are not complete are
+    /// left out. Errors: as open, and BadFile when not even the coarsest level is complete.
+    [[nodiscard]] static Result<RasterFile> open_prefix(std::vector<std::uint8_t> bytes, std::uint64_t file_size);
 
     RasterFile(RasterFile&&) noexcept;
     RasterFile& operator=(RasterFile&&) noexcept;
@@ -126,7 +128,8 @@ class RasterFile {
 };
 
 /// The same file with `moves` added to those it has. The data of all levels is untouched: moves are a layer of their own.
-/// Errors: InvalidArgument for a coefficient that does not exist; BadFile.
+/// They stand before the levels, so that every prefix has them. Errors: InvalidArgument for a coefficient that does not exist
+/// or a displacement that is not a number of at most 1e300; BadFile.
 [[nodiscard]] Result<std::vector<std::uint8_t>> add_moves(std::span<const std::uint8_t> file,
                                                           const std::vector<multires::Move>& moves);
 

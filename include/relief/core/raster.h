@@ -36,8 +36,8 @@ enum class SampleType : std::uint8_t { UInt8, UInt16, Int16, UInt32, Int32, Floa
 struct GeoReference {
     /// x = t[0] + t[1] col + t[2] row, y = t[3] + t[4] col + t[5] row; (col, row) = (0, 0) is the
     /// outer corner of the first sample's cell, its centre is (0.5, 0.5).
-    std::optional<std::array<double, 6>> transform;
-    std::string crs_wkt;          ///< WKT2:2019; empty: unknown. x is always east or longitude.
+    std::optional<std::array<double, 6>> transform = {};
+    std::string crs_wkt = {};          ///< WKT2:2019; empty: unknown. x is always east or longitude.
     bool pixel_is_point = false;  ///< samples stand for points, not for the mean of a cell
 
     friend bool operator==(const GeoReference&, const GeoReference&) = default;
@@ -48,15 +48,15 @@ struct Raster {
     std::int64_t rows = 0;
     std::int64_t cols = 0;
     SampleType type = SampleType::Float32;
-    std::vector<Grid<double>> planes;  ///< NaN in holes; every sample type is exact in double
-    Grid<std::uint8_t> mask;           ///< 1 valid, 0 hole; empty: all valid
-    std::optional<double> nodata;      ///< the value that stands for a hole in the file
-    GeoReference geo;
-    std::string unit;  ///< of the samples: "m", "ft"; empty: unknown
+    std::vector<Grid<double>> planes = {};  ///< NaN in holes; every sample type is exact in double
+    Grid<std::uint8_t> mask = {};           ///< 1 valid, 0 hole; empty: all valid
+    std::optional<double> nodata = {};      ///< the value that stands for a hole in the file
+    GeoReference geo = {};
+    std::string unit = {};  ///< of the samples: "m", "ft"; empty: unknown
     double scale = 1;  ///< physical value = sample x scale + offset: kept for the file, not applied
     double offset = 0;
-    std::vector<std::string> band_names;                        ///< one a plane, or none
-    std::vector<std::pair<std::string, std::string>> metadata;  ///< of the default domain, in order
+    std::vector<std::string> band_names = {};                        ///< one a plane, or none
+    std::vector<std::pair<std::string, std::string>> metadata = {};  ///< of the default domain, in order
 
     [[nodiscard]] bool valid(std::int64_t row, std::int64_t col) const { return mask.empty() || mask(row, col) != 0; }
     [[nodiscard]] std::int64_t valid_count() const;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "relief/multires/filters.h"
 #include "relief/multires/pyramid.h"
@@ -13,7 +14,7 @@
 namespace relief::multires::barycentric {
 
 /// Bands "aaa" of the coarsest level, then "aab" .. "bbb" of each level, coarsest first. Norms are left at 1.
-/// levels -1: one if it makes the number of scaling coefficients fall, more as long as each leaves at most a third.
+/// levels -1: one if it makes the number of scaling coefficients fall, more as long as each divides it by 3.3.
 [[nodiscard]] Result<PyramidLayout> layout(const SchemeSpec& spec, std::int64_t rows, std::int64_t cols,
                                            int components);
 
@@ -33,6 +34,11 @@ template <class T>
 
 /// The box of the scaling coefficients of `level`.
 [[nodiscard]] LatticeBox level_box(const PyramidLayout& layout, int level);
+
+/// For each band, which part of the squared norm of each atom lies on the raster: 1 inside, less in the ring of
+/// coefficients beyond the border. Estimated level by level without the cross terms of overlapping atoms.
+/// Complexity: O(coefficients), arithmetic for border coefficients only.
+[[nodiscard]] std::vector<Grid<float>> coverage(const PyramidLayout& layout);
 
 /// Transpose of coefficients(., component, 0) as a linear map of all bands.
 template <class T>

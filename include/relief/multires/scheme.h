@@ -49,6 +49,10 @@ template <class T>
 template <class T>
 [[nodiscard]] Planes<T> synthesise(const Pyramid<T>& pyramid, int level = 0);
 
+/// For each band, which part of the squared norm of each atom lies on the raster; empty for schemes without coefficients
+/// beyond the border. What an oracle should multiply squared norms by.
+[[nodiscard]] std::vector<Grid<float>> coverage(const PyramidLayout& layout);
+
 /// The transpose of coefficients(pyramid, 0) followed by the data map: from sample residuals to a gradient with respect
 /// to every coefficient, for least squares. planes: one per component.
 template <class T>
