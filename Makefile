@@ -11,7 +11,7 @@ help:
 	@echo "make build      build only: $(BUILD)/relief"
 	@echo "make bench      benchmarks, as ratios in one run"
 	@echo "make reproduce  the source papers' numbers beside ours"
-	@echo "make check      formatting, static analysis, include rule, links in the documentation"
+	@echo "make check      formatting, static analysis, include rule, links and examples of the documentation"
 	@echo "make format     apply the formatting"
 	@echo "make fuzz       fuzz every reader (needs clang); SECONDS_EACH=30"
 	@echo "make asan tsan  all tests under sanitizers"
@@ -52,7 +52,7 @@ format:
 check: build
 	@tools/format --check
 	@tools/check_includes
-	@tools/check_docs
+	@tools/check_docs $(BUILD)
 	@tools/tidy $(BUILD)
 
 clean:

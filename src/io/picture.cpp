@@ -171,7 +171,7 @@ Image drape(Heights z, Mask mask, CellSize cell, const Image& image,
 
 Image with_caption(const Image& picture, std::string_view text) {
     const int columns = std::max(1, detail::text_width(text, 1));
-    const int dot = std::clamp(picture.width * 3 / 4 / columns, 1, 4);
+    const int dot = std::clamp(picture.width * 3 / 4 / columns, 1, 3);
     const int margin = 4 * dot;
     Image out(picture.width, picture.height + 7 * dot + 2 * margin, picture.channels);
     std::fill(out.pixels.begin(), out.pixels.end(), std::uint8_t{255});

@@ -224,14 +224,14 @@ TEST(Pictures, ACaptionStandsBelow) {
     Image picture(80, 10, 3);
     std::fill(picture.pixels.begin(), picture.pixels.end(), std::uint8_t{90});
     const Image image = with_caption(picture, "il");
-    // Two characters of 11 dots would fit five pixels a dot; four is the largest.
+    // Two characters of 11 dots would fit at five pixels a dot; three is the largest.
     ASSERT_EQ(image.width, 80);
-    ASSERT_EQ(image.height, 10 + 4 * (4 + 7 + 4));
+    ASSERT_EQ(image.height, 10 + 3 * (4 + 7 + 4));
     for (std::size_t k = 0; k < picture.pixels.size(); ++k) ASSERT_EQ(image.pixels[k], 90);
     std::string drawn;
     for (int row = 0; row < 7; ++row) {
         for (int dot = 0; dot < 11; ++dot)
-            drawn += at(image, 10 + 16 + 4 * row, 18 + 4 * dot) == Rgb{60, 60, 64} ? '#' : '.';
+            drawn += at(image, 10 + 12 + 3 * row, 23 + 3 * dot) == Rgb{60, 60, 64} ? '#' : '.';
         drawn += '\n';
     }
     EXPECT_EQ(drawn,
@@ -242,7 +242,7 @@ TEST(Pictures, ACaptionStandsBelow) {
               "..#.....#..\n"
               "..#.....#..\n"
               ".###...###.\n");
-    EXPECT_EQ(with_caption(picture, "").height, 10 + 4 * (4 + 7 + 4));
+    EXPECT_EQ(with_caption(picture, "").height, 10 + 3 * (4 + 7 + 4));
 }
 
 TEST(Resize, KeepsFlatColoursAndMeanLight) {

@@ -94,9 +94,9 @@ struct ErrorMapOptions {
 [[nodiscard]] Image error_map(Heights surface, Heights reference, Mask mask, CellSize cell,
                               const ErrorMapOptions& options = {});
 
-/// The picture with a line of text below it, on white, as large as three quarters of the width
-/// allow. The built-in font has digits, lower-case letters and + - . , : / %; other characters are
-/// left out.
+/// The picture with a line of text below it, on white, 21 pixels high or less where it would take
+/// more than three quarters of the width. The built-in font has digits, lower-case letters and + -
+/// . , : / %; other characters are left out.
 [[nodiscard]] Image with_caption(const Image& picture, std::string_view text);
 
 /// Averages (down) or interpolates (up) in linear light to a new size. Alpha is respected.
