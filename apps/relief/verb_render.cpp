@@ -87,6 +87,8 @@ Result<io::Image> draw_net(const Render& options, const codec::RasterFile& file,
 }
 
 Result<io::Image> draw(const Render& options, const Raster& raster, const Globals& globals) {
+    if (raster.valid_count() == 0)
+        return Error{ErrorCode::BadInput, "no sample is valid: there is nothing to draw", options.in};
     const int width = picture_width(options, raster);
     const io::CellSize cell = io::cell_size_metres(raster.geo, raster.rows);
     const io::PictureOptions picture{.light = light_of(options), .width = width};
@@ -152,7 +154,7 @@ void add_render(Program& program) {
     verb->add_option("IN", options->in, "a raster or a .relief file; three bands are drawn as a surface in space by wire")
         ->required();
     verb->add_option("OUT", options->out, "the .png file")->required();
-    verb->add_option("--width", options->width, "pixels across; default: the raster's columns, at least 800")
+    verb->add_option("--width", options->width, "pixels across, error at least 180; default: the raster's columns, at least 800")
         ->check(CLI::Range(16, 16384));
     verb->add_option("--style", options->style, "hillshade (default), colour, wire, error")
         ->check(CLI::IsMember({"hillshade", "colour", "wire", "error"}));
