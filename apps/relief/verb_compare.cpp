@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "command.h"
@@ -19,6 +21,28 @@ struct Compare {
     std::optional<int> levels;
 };
 
+/// What the metadata of a decoded raster say of its origin; other programs' may say anything.
+std::optional<multires::SchemeSpec> scheme_in(const Raster& raster) {
+    const auto item = [&](std::string_view key) {
+        const auto found = std::find_if(raster.metadata.begin(), raster.metadata.end(), [&](const auto& m) { return m.first == key; });
+        return found == raster.metadata.end() ? std::string_view() : std::string_view(found->second);
+    };
+    const auto number = [](std::string_view text, int& value) {
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+        return error == std::errc() && end == text.data() + text.size();
+    };
+    constexpr std::string_view between = " order ";
+    const std::string_view name = item("RELIEF_SCHEME");
+    const std::size_t space = name.find(between);
+    if (space == std::string_view::npos) return {};
+    multires::SchemeSpec spec;
+    const auto id = multires::scheme_from_name(name.substr(0, space));
+    if (!id.ok() || !number(name.substr(space + between.size()), spec.order) || !number(item("RELIEF_LEVELS"), spec.levels)) return {};
+    spec.id = *id;
+    if (!multires::layout(spec, raster.rows, raster.cols, 1).ok()) return {};
+    return spec;
+}
+
 /// Whose coarsest reconstruction is the base of energy_percent: what the options say, what B is or says of its origin,
 /// the default scheme with the three levels of the source paper.
 Result<multires::SchemeSpec> energy_scheme(const Compare& options, const Raster& b) {
@@ -27,16 +51,8 @@ Result<multires::SchemeSpec> energy_scheme(const Compare& options, const Raster&
     if (io::recognise(options.b) == io::FileKind::Relief) {
         RELIEF_TRY(const codec::RasterFile file, open_relief(options.b));
         spec = file.layout().spec;
-    } else {
-        for (const auto& [key, value] : b.metadata) {
-            const std::size_t space = value.find(" order ");
-            if (key == "RELIEF_SCHEME" && space != std::string::npos) {
-                const auto id = multires::scheme_from_name(value.substr(0, space));
-                if (id.ok()) spec.id = *id;
-                spec.order = std::atoi(value.c_str() + space + 7);
-            }
-            if (key == "RELIEF_LEVELS") spec.levels = std::atoi(value.c_str());
-        }
+    } else if (const auto origin = scheme_in(b)) {
+        spec = *origin;
     }
     if (options.scheme) {
         RELIEF_TRY(spec.id, multires::scheme_from_name(*options.scheme));

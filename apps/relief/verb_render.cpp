@@ -104,6 +104,8 @@ io::Image draw_net(const Render& options, const Raster& surface,
 }
 
 Result<io::Image> draw(const Render& options, const Raster& raster, const Globals& globals) {
+    if (raster.valid_count() == 0)
+        return Error{ErrorCode::BadInput, "no sample is valid: there is nothing to draw", options.in};
     const int width = picture_width(options, raster);
     const io::CellSize cell = io::cell_size_metres(raster.geo, raster.rows);
     const io::PictureOptions picture{.light = light_of(options), .width = width};
@@ -177,7 +179,8 @@ void add_render(Program& program) {
         ->required();
     verb->add_option("OUT", options->out, "the .png file")->required();
     verb->add_option("--width", options->width,
-                     "pixels across; default: the raster's columns, at least 800")
+                     "pixels across, error at least 180; default: the raster's columns, at least "
+                     "800")
         ->check(CLI::Range(16, 16384));
     verb->add_option(
             "--style", options->style,
