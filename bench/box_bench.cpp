@@ -89,7 +89,7 @@ template <class T>
 void analysis(benchmark::State& state) {
     const auto samples = raster<T>(state.range(0));
     auto pyramid = pyramid_of(samples, int(state.range(1)));
-    box::Workspace<T> workspace;
+    Workspace<T> workspace;
     set_thread_count(int(state.range(2)));
     measure(state, samples, [&] { box::analyse<T>(samples.view(), 0, pyramid, workspace); });
     set_thread_count(0);
@@ -99,7 +99,7 @@ template <class T>
 void synthesis(benchmark::State& state) {
     auto samples = raster<T>(state.range(0));
     const auto pyramid = pyramid_of(samples, int(state.range(1)));
-    box::Workspace<T> workspace;
+    Workspace<T> workspace;
     set_thread_count(int(state.range(2)));
     measure(state, samples,
             [&] { box::coefficients<T>(pyramid, 0, 0, samples.view(), workspace); });

@@ -40,15 +40,13 @@ int chunk_of(const multires::PyramidLayout& layout, const multires::BandLayout& 
     return band.channel == 0 ? 0 : layout.levels() - band.level + 1;
 }
 
-std::vector<std::vector<std::uint8_t>> write_levels(const multires::PyramidLayout& layout, const Quantised& quantised) {
-    std::vector<std::vector<std::uint8_t>> chunks;
-    for (int number = 0; number <= layout.levels(); ++number) {
-        ByteWriter out;
-        for (const std::size_t k : bands_of(layout, number)) out.f32(quantised.steps[k]);
-        out.bytes(encode_level(views_of(layout, number, quantised), parents_of(layout, number, quantised)));
-        chunks.push_back(out.take());
-    }
-    return chunks;
+std::vector<std::uint8_t> write_level(const multires::PyramidLayout& layout,
+                                      const Quantised& quantised, int number) {
+    ByteWriter out;
+    for (const std::size_t k : bands_of(layout, number)) out.f32(quantised.steps[k]);
+    out.bytes(
+        encode_level(views_of(layout, number, quantised), parents_of(layout, number, quantised)));
+    return out.take();
 }
 
 Status read_level(std::span<const std::uint8_t> bytes, int number, const multires::PyramidLayout& layout,

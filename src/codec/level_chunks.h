@@ -13,9 +13,9 @@ namespace relief::codec {
 /// Number of the chunk a band belongs to: 0 scaling, 1 details of the coarsest level, ...
 [[nodiscard]] int chunk_of(const multires::PyramidLayout& layout, const multires::BandLayout& band);
 
-/// Chunks of all bands, in file order.
-[[nodiscard]] std::vector<std::vector<std::uint8_t>> write_levels(const multires::PyramidLayout& layout,
-                                                                  const Quantised& quantised);
+/// Chunk `number`.
+[[nodiscard]] std::vector<std::uint8_t> write_level(const multires::PyramidLayout& layout,
+                                                    const Quantised& quantised, int number);
 
 /// Reads chunk `number` into `quantised`, whose earlier chunks have been read. Errors: BadFile.
 [[nodiscard]] Status read_level(std::span<const std::uint8_t> bytes, int number, const multires::PyramidLayout& layout,

@@ -39,16 +39,21 @@ struct Error2 {
 Error2 surface_error(const Raster& raster, const Planes<double>& surface) {
     std::vector<Error2> rows(static_cast<std::size_t>(raster.rows));
     parallel_for(0, raster.rows, 32, [&](std::int64_t first, std::int64_t last) {
+        std::vector<double> stored(static_cast<std::size_t>(raster.cols));
         for (std::int64_t r = first; r < last; ++r) {
             Error2 row;
-            for (std::size_t p = 0; p < surface.size(); ++p)
+            const std::uint8_t* valid = raster.mask.empty() ? nullptr : raster.mask.row(r);
+            for (std::size_t p = 0; p < surface.size(); ++p) {
+                stored_row(surface[p].row(r), raster.cols, raster.type, raster.nodata,
+                           stored.data());
+                const double* wanted = raster.planes[p].row(r);
                 for (std::int64_t c = 0; c < raster.cols; ++c) {
-                    if (!raster.valid(r, c)) continue;
-                    const double stored = stored_value(surface[p](r, c), raster.type, raster.nodata);
-                    const double error = std::abs(stored - raster.planes[p](r, c));
+                    if (valid && !valid[c]) continue;
+                    const double error = std::abs(stored[static_cast<std::size_t>(c)] - wanted[c]);
                     row.max = std::max(row.max, error);
                     row.square += error * error;
                 }
+            }
             rows[static_cast<std::size_t>(r)] = row;
         }
     });
@@ -74,11 +79,17 @@ double largest_error_of_level(const Raster& raster, const Planes<double>& planes
     return largest;
 }
 
-/// One way to code the raster: quantised coefficients, the surface they give, and how far it is off.
+using Bytes = std::vector<std::uint8_t>;
+
+/// One way to code the raster: quantised coefficients, the surface they give, how far it is off,
+/// and the coded chunks.
 struct Candidate {
     Quantised quantised;
     Planes<double> surface;
     Error2 error;
+    std::optional<Corrections> corrections;
+    std::vector<Bytes> levels;  ///< empty: not yet coded
+    Bytes correction;
 };
 
 class Encoder {
@@ -185,8 +196,24 @@ class Encoder {
         return evaluated(quantise(chosen, unit, 0.5));
     }
 
-    std::uint64_t size_of(const Candidate& candidate, const Corrections* corrections = nullptr) {
-        const auto file = assemble(candidate, corrections, {}, candidate.error);
+    /// Codes all chunks, the largest ones first.
+    void code(Candidate& candidate) const {
+        const int levels = pyramid_.layout.levels();
+        candidate.levels.resize(static_cast<std::size_t>(levels) + 1);
+        parallel_for(-1, levels + 1, 1, [&](std::int64_t first, std::int64_t) {
+            if (first >= 0) {
+                const int number = levels - static_cast<int>(first);
+                candidate.levels[static_cast<std::size_t>(number)] =
+                    write_level(pyramid_.layout, candidate.quantised, number);
+            } else if (candidate.corrections) {
+                candidate.correction = write_corrections(*candidate.corrections);
+            }
+        });
+    }
+
+    std::uint64_t size_of(Candidate& candidate) const {
+        code(candidate);
+        const auto file = assemble(candidate, {}, candidate.error);
         return file.ok() ? file->size() : std::numeric_limits<std::uint64_t>::max();
     }
 
@@ -272,8 +299,9 @@ class Encoder {
         const double bits = 8 * goal / static_cast<double>(samples_);
         const double spread = surface_error(raster_, nothing.surface).rms(samples_);
         if (!(spread > 0)) return nothing;
-        auto found = search(std::max(spread * std::exp2(-1.2 * bits), 1e-6 * spread), false, 0.997,
-                            [&](const Candidate& candidate) { return static_cast<double>(size_of(candidate)) / goal; });
+        auto found = search(
+            std::max(spread * std::exp2(-1.2 * bits), 1e-6 * spread), false, 0.997,
+            [&](Candidate& candidate) { return static_cast<double>(size_of(candidate)) / goal; });
         if (!found.ok() && found.error().code != ErrorCode::Cancelled) return nothing;
         return found;
     }
@@ -290,10 +318,9 @@ class Encoder {
         return unit;
     }
 
-    /// A candidate with what brings it within a bound.
+    /// A candidate with its corrections and the size of its file.
     struct Corrected {
         Candidate candidate;
-        Corrections corrections;
         std::uint64_t size = std::numeric_limits<std::uint64_t>::max();
     };
 
@@ -304,7 +331,6 @@ class Encoder {
             RELIEF_TRY(Corrected exact, search_corrected(0));
             if (exact.size < best.size) best = std::move(exact);
         }
-        corrections_ = std::move(best.corrections);
         return std::move(best.candidate);
     }
 
@@ -317,10 +343,10 @@ class Encoder {
         double factor = exact ? 2.0 : 3.0;
         const auto attempt = [&](double f) {
             Candidate candidate = at_unit(f * scale);
-            Corrections corrections = make_corrections(raster_, candidate.surface, bound);
-            const std::uint64_t size = size_of(candidate, &corrections);
+            candidate.corrections = make_corrections(raster_, candidate.surface, bound);
+            const std::uint64_t size = size_of(candidate);
             if (size >= best.size) return false;
-            best = {std::move(candidate), std::move(corrections), size};
+            best = {std::move(candidate), size};
             return true;
         };
         attempt(factor);
@@ -347,8 +373,9 @@ class Encoder {
 
     // --- file -----------------------------------------------------------------------------------------------------
 
-    Result<std::vector<std::uint8_t>> assemble(const Candidate& candidate, const Corrections* corrections,
-                                               const std::vector<Error2>& level_errors, const Error2& final_error) {
+    /// The file of a candidate whose chunks are coded.
+    Result<Bytes> assemble(const Candidate& candidate, const std::vector<Error2>& level_errors,
+                           const Error2& final_error) const {
         RasterHeader header;
         header.description.rows = raster_.rows;
         header.description.cols = raster_.cols;
@@ -369,8 +396,7 @@ class Encoder {
 
         ContainerWriter writer(write_header(header));
         if (header.has_mask) RELIEF_CHECK(writer.add({.kind = ChunkKind::Mask}, encode_mask(raster_.mask.view())));
-        const auto chunks = write_levels(pyramid_.layout, candidate.quantised);
-        for (std::size_t k = 0; k < chunks.size(); ++k) {
+        for (std::size_t k = 0; k < candidate.levels.size(); ++k) {
             ChunkInfo info;
             info.kind = k == 0 ? ChunkKind::Scaling : ChunkKind::Level;
             info.level = static_cast<std::uint16_t>(pyramid_.layout.levels() - (k == 0 ? 0 : static_cast<int>(k) - 1));
@@ -378,11 +404,13 @@ class Encoder {
                 info.bound = level_errors[k].max;
                 info.rms = level_errors[k].rms(samples_);
             }
-            RELIEF_CHECK(writer.add(info, chunks[k]));
+            RELIEF_CHECK(writer.add(info, candidate.levels[k]));
         }
-        if (corrections)
-            RELIEF_CHECK(writer.add({.kind = ChunkKind::Correction, .bound = final_error.max, .rms = final_error.rms(samples_)},
-                                    write_corrections(*corrections)));
+        if (candidate.corrections)
+            RELIEF_CHECK(writer.add({.kind = ChunkKind::Correction,
+                                     .bound = final_error.max,
+                                     .rms = final_error.rms(samples_)},
+                                    candidate.correction));
         return writer.finish();
     }
 
@@ -400,16 +428,15 @@ class Encoder {
     }
 
     Result<EncodedRaster> finish(Candidate best) {
+        if (best.levels.empty()) code(best);
         const auto level_errors = errors_by_chunk(best);
         Error2 final_error = best.error;
-        if (corrections_) {
-            Planes<double> surface;
-            for (const Grid<double>& plane : best.surface) surface.push_back(plane.clone());
-            apply_corrections(*corrections_, raster_.type, raster_.nodata, surface);
-            final_error = surface_error(raster_, surface);
+        if (best.corrections) {
+            apply_corrections(*best.corrections, raster_.type, raster_.nodata, best.surface);
+            final_error = surface_error(raster_, best.surface);
         }
         EncodedRaster result;
-        RELIEF_TRY(result.bytes, assemble(best, corrections_ ? &*corrections_ : nullptr, level_errors, final_error));
+        RELIEF_TRY(result.bytes, assemble(best, level_errors, final_error));
         RELIEF_CHECK(verify(result.bytes, final_error));
 
         EncodeReport& report = result.report;
@@ -417,7 +444,7 @@ class Encoder {
         report.samples = raster_.rows * raster_.cols;
         report.coefficients = pyramid_.layout.coefficients();
         report.kept = best.quantised.kept;
-        report.corrected = corrections_ ? corrections_->corrected : 0;
+        report.corrected = best.corrections ? best.corrections->corrected : 0;
         report.bytes = result.bytes.size();
         report.bits_per_sample = 8.0 * static_cast<double>(report.bytes) / static_cast<double>(report.samples);
         report.max_error = final_error.max;
@@ -471,7 +498,6 @@ class Encoder {
     Target target_;
     Pyramid<double> pyramid_;
     Pyramid<double> scratch_;
-    std::optional<Corrections> corrections_;
 };
 
 }  // namespace

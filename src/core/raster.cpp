@@ -49,6 +49,26 @@ double stored_float(double value, std::optional<double> nodata) {
     return beside_nodata<T>(value, *nodata);
 }
 
+double stored_integer(double value, double low, double high, std::optional<double> nodata) {
+    const double rounded = std::nearbyint(std::clamp(value, low, high));
+    if (!nodata || rounded != *nodata) return rounded;
+    const bool upwards = rounded < high && (value >= rounded || rounded == low);
+    return upwards ? rounded + 1 : rounded - 1;
+}
+
+/// Calls fn(rounding), where rounding(value) is stored_value(value, type, nodata).
+template <class Function>
+void with_rounding(SampleType type, std::optional<double> nodata, Function fn) {
+    if (type == SampleType::Float32)
+        return fn([=](double value) { return stored_float<float>(value, nodata); });
+    if (type == SampleType::Float64)
+        return fn([=](double value) { return stored_float<double>(value, nodata); });
+    const auto [low, high] = sample_range(type);
+    fn([nodata, low = low, high = high](double value) {
+        return stored_integer(value, low, high, nodata);
+    });
+}
+
 }  // namespace
 
 std::string_view sample_type_name(SampleType type) {
@@ -88,13 +108,15 @@ std::pair<double, double> sample_range(SampleType type) {
 }
 
 double stored_value(double value, SampleType type, std::optional<double> nodata) {
-    if (type == SampleType::Float32) return stored_float<float>(value, nodata);
-    if (type == SampleType::Float64) return stored_float<double>(value, nodata);
-    const auto [low, high] = sample_range(type);
-    const double rounded = std::nearbyint(std::clamp(value, low, high));
-    if (!nodata || rounded != *nodata) return rounded;
-    const bool upwards = rounded < high && (value >= rounded || rounded == low);
-    return upwards ? rounded + 1 : rounded - 1;
+    double stored = 0;
+    with_rounding(type, nodata, [&](auto rounding) { stored = rounding(value); });
+    return stored;
+}
+
+void stored_row(const double* values, std::int64_t n, SampleType type, std::optional<double> nodata,
+                double* out) {
+    with_rounding(type, nodata,
+                  [=](auto rounding) { std::transform(values, values + n, out, rounding); });
 }
 
 std::int64_t Raster::valid_count() const {

@@ -47,8 +47,25 @@ std::vector<LatticeBox> scaling_boxes(const FilterBank& bank, std::int64_t rows,
 }
 
 template <class T>
-void copy(GridView<const T> from, Grid<T>& to) {
+void copy(GridView<const T> from, GridView<T> to) {
     for (std::int64_t r = 0; r < from.rows; ++r) std::copy_n(from.row(r), from.cols, to.row(r));
+}
+
+/// Runs step(level, fine, scaling channel) from level `first` + 1 up; the coarsest scaling channel
+/// is the band.
+template <class T, class Step>
+void fine_to_coarse(GridView<const T> fine, const std::vector<LatticeBox>& boxes, int component,
+                    Pyramid<T>& out, Workspace<T>& workspace, Step step, int first = 0) {
+    const int levels = out.layout.levels();
+    const GridView<T> coarsest = out.bands[0][static_cast<std::size_t>(component)].view();
+    if (levels == first) return copy(fine, coarsest);
+    for (int l = first + 1; l <= levels; ++l) {
+        const LatticeBox& box = boxes[static_cast<std::size_t>(l)];
+        const Channel<T> scaling{box,
+                                 l < levels ? workspace.grid(l % 2, box.rows, box.cols) : coarsest};
+        step(l, fine, scaling);
+        fine = scaling.view;
+    }
 }
 
 template <class T>
@@ -177,82 +194,80 @@ std::vector<Grid<float>> coverage(const PyramidLayout& layout) {
 }
 
 template <class T>
-void analyse(GridView<const T> scaling_coefficients, int component, Pyramid<T>& out, int first_level) {
+void analyse(GridView<const T> scaling, int component, Pyramid<T>& out, Workspace<T>& workspace,
+             int first_level) {
     const PyramidLayout& layout = out.layout;
     const FilterBank bank = bank_of(layout);
-    const int levels = layout.levels();
-    const auto boxes = scaling_boxes(bank, layout.rows, layout.cols, levels);
-    Grid<T>& coarsest = out.bands[0][static_cast<std::size_t>(component)];
-    if (levels == first_level) return copy(scaling_coefficients, coarsest);
-    Grid<T> held;
-    GridView<const T> fine = scaling_coefficients;
-    for (int l = first_level + 1; l <= levels; ++l) {
-        const LatticeBox& box = boxes[static_cast<std::size_t>(l - 1)];
-        const LatticeBox& next_box = boxes[static_cast<std::size_t>(l)];
-        Grid<T> next = l < levels ? Grid<T>(next_box.rows, next_box.cols) : Grid<T>();
-        const Channel<T> scaling{next_box, l < levels ? next.view() : coarsest.view()};
-        if (bank.poles.empty()) {
-            analyse_by(bank.a, bank.b, 1, ExtendedRows<T>(fine, box), layout, l, component, out, scaling);
-        } else {
-            LatticeBox padded;
-            const Grid<T> divided_grid = divided(bank, fine, box, padded);
-            analyse_by(bank.a, bank.b, 1, ZeroRows<T>(divided_grid.view(), padded), layout, l, component, out,
-                       scaling);
-        }
-        held = std::move(next);
-        fine = std::as_const(held).view();
-    }
+    const auto boxes = scaling_boxes(bank, layout.rows, layout.cols, layout.levels());
+    const auto step = [&](int level, GridView<const T> fine, const Channel<T>& coarse) {
+        const LatticeBox& box = boxes[static_cast<std::size_t>(level - 1)];
+        if (bank.poles.empty())
+            return analyse_by(bank.a, bank.b, 1, ExtendedRows<T>(fine, box), layout, level,
+                              component, out, coarse);
+        LatticeBox padded;
+        const Grid<T> divided_grid = divided(bank, fine, box, padded);
+        analyse_by(bank.a, bank.b, 1, ZeroRows<T>(divided_grid.view(), padded), layout, level,
+                   component, out, coarse);
+    };
+    fine_to_coarse(scaling, boxes, component, out, workspace, step, first_level);
 }
 
 template <class T>
-Grid<T> coefficients(const Pyramid<T>& pyramid, int component, int level) {
+void analyse(GridView<const T> scaling, int component, Pyramid<T>& out, int first_level) {
+    Workspace<T> workspace;
+    analyse(scaling, component, out, workspace, first_level);
+}
+
+template <class T>
+void coefficients(const Pyramid<T>& pyramid, int component, int level, GridView<T> out,
+                  Workspace<T>& workspace) {
     const PyramidLayout& layout = pyramid.layout;
     const FilterBank bank = bank_of(layout);
     const auto boxes = scaling_boxes(bank, layout.rows, layout.cols, layout.levels());
     const auto plane = static_cast<std::size_t>(component);
-    if (level >= layout.levels()) return pyramid.bands[0][plane].clone();
-    Grid<T> coarse;
+    GridView<const T> coarse = pyramid.bands[0][plane].view();
+    if (level == layout.levels()) return copy(coarse, out);
     for (int l = layout.levels(); l > level; --l) {
-        const bool coarsest = l == layout.levels();
         std::array<Channel<const T>, 8> channels;
-        channels[0] = {boxes[static_cast<std::size_t>(l)],
-                       coarsest ? pyramid.bands[0][plane].view() : std::as_const(coarse).view()};
+        channels[0] = {boxes[static_cast<std::size_t>(l)], coarse};
         for (int c = 1; c < 8; ++c) {
             const std::size_t k = band_index(layout, l, c);
             channels[static_cast<std::size_t>(c)] = {layout.bands[k].box, pyramid.bands[k][plane].view()};
         }
         const LatticeBox& box = boxes[static_cast<std::size_t>(l - 1)];
-        Grid<T> fine(box.rows, box.cols);
-        synthesise_level(bank.p, bank.q, 0.5, channels, box, fine.view());
-        coarse = std::move(fine);
+        const GridView<T> fine = l == level + 1 ? out : workspace.grid(l % 2, box.rows, box.cols);
+        synthesise_level(bank.p, bank.q, 0.5, channels, box, fine);
+        coarse = fine;
     }
-    return coarse;
+}
+
+template <class T>
+Grid<T> coefficients(const Pyramid<T>& pyramid, int component, int level) {
+    const LatticeBox box = level_box(pyramid.layout, level);
+    Grid<T> out(box.rows, box.cols);
+    Workspace<T> workspace;
+    coefficients(pyramid, component, level, out.view(), workspace);
+    return out;
 }
 
 template <class T>
 void adjoint(GridView<const T> residual, int component, Pyramid<T>& out) {
     const PyramidLayout& layout = out.layout;
     const FilterBank bank = bank_of(layout);
-    const int levels = layout.levels();
-    const auto boxes = scaling_boxes(bank, layout.rows, layout.cols, levels);
-    Grid<T>& coarsest = out.bands[0][static_cast<std::size_t>(component)];
-    if (levels == 0) return copy(residual, coarsest);
-    Grid<T> held;
-    GridView<const T> fine = residual;
-    for (int l = 1; l <= levels; ++l) {
-        const LatticeBox& next_box = boxes[static_cast<std::size_t>(l)];
-        Grid<T> next = l < levels ? Grid<T>(next_box.rows, next_box.cols) : Grid<T>();
-        const Channel<T> scaling{next_box, l < levels ? next.view() : coarsest.view()};
-        analyse_by(bank.p, bank.q, 0.5, ZeroRows<T>(fine, boxes[static_cast<std::size_t>(l - 1)]), layout, l, component,
-                   out, scaling);
-        held = std::move(next);
-        fine = std::as_const(held).view();
-    }
+    const auto boxes = scaling_boxes(bank, layout.rows, layout.cols, layout.levels());
+    const auto step = [&](int level, GridView<const T> fine, const Channel<T>& coarse) {
+        const ZeroRows<T> rows(fine, boxes[static_cast<std::size_t>(level - 1)]);
+        analyse_by(bank.p, bank.q, 0.5, rows, layout, level, component, out, coarse);
+    };
+    Workspace<T> workspace;
+    fine_to_coarse(residual, boxes, component, out, workspace, step);
 }
 
-#define RELIEF_INSTANTIATE(T)                                          \
-    template void analyse(GridView<const T>, int, Pyramid<T>&, int);   \
-    template Grid<T> coefficients(const Pyramid<T>&, int, int);        \
+#define RELIEF_INSTANTIATE(T)                                                            \
+    template void analyse(GridView<const T>, int, Pyramid<T>&, int);                     \
+    template void analyse(GridView<const T>, int, Pyramid<T>&, Workspace<T>&, int);      \
+    template Grid<T> coefficients(const Pyramid<T>&, int, int);                          \
+    template void coefficients(const Pyramid<T>&, int, int, GridView<T>, Workspace<T>&); \
     template void adjoint(GridView<const T>, int, Pyramid<T>&);
 RELIEF_INSTANTIATE(float)
 RELIEF_INSTANTIATE(double)

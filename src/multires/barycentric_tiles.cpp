@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "multires/haar_level.h"
+#include "multires/row_copy.h"
 #include "relief/core/parallel.h"
 #include "relief/core/rows.h"
 
@@ -12,10 +13,10 @@ namespace relief::multires::barycentric {
 
 namespace {
 
-/// Coarse rows and columns of a tile: wide enough that halos cost a few per cent, small enough that all rings of rows stay
-/// in a core's own cache.
+/// Coarse rows and columns of a tile: wide enough that halos cost a few per cent, small enough that
+/// all rings of rows stay in a core's own second-level cache.
 constexpr std::int64_t kTileRows = 128;
-constexpr std::int64_t kTileCols = 256;
+constexpr std::int64_t kTileCols = 512;
 
 std::int64_t floor_half(std::int64_t n) { return n >> 1; }
 std::int64_t ceil_half(std::int64_t n) { return (n + 1) >> 1; }
@@ -79,10 +80,20 @@ class AnalysisTile {
   public:
     AnalysisTile(const FilterPair<T>& filters, T scale, const RowSource<T>& fine,
                  const std::array<Channel<T>, 8>& channels, const LatticeBox& tile)
-        : f_(filters), scale_(scale), fine_(fine), channels_(channels), tile_(tile),
-          h0_(tile.col0 - floor_half(f_.hi + 1)), nh_(tile.cols + floor_half(f_.hi + 1) - ceil_half(f_.lo)),
-          e0_(h0_ + floor_half(f_.lo)), ne_(nh_ + floor_half(f_.hi + 1) - floor_half(f_.lo)),
-          input_(f_.depth(), 2, ne_), t_(f_.depth(), 4, nh_), s_(1, 4, ne_), line_(static_cast<std::size_t>(2 * ne_)) {}
+        : f_(filters),
+          scale_(scale),
+          fine_(fine),
+          channels_(channels),
+          tile_(tile),
+          h0_(tile.col0 - floor_half(f_.hi + 1)),
+          nh_(tile.cols + floor_half(f_.hi + 1) - ceil_half(f_.lo)),
+          e0_(h0_ + floor_half(f_.lo)),
+          ne_(nh_ + floor_half(f_.hi + 1) - floor_half(f_.lo)),
+          input_(f_.depth(), 2, ne_),
+          t_(f_.depth(), 4, nh_),
+          s_(1, 4, ne_),
+          line_(static_cast<std::size_t>(2 * ne_)),
+          details_(streamed_if_large<T>(fine.box().count())) {}
 
     void run() {
         const std::int64_t first = 2 * tile_.row0 - f_.hi;
@@ -95,6 +106,7 @@ class AnalysisTile {
             const std::int64_t twice = r + f_.lo;
             if (parity(twice) == 0 && twice >= 2 * tile_.row0) filter_e3(twice / 2);
         }
+        finish_streaming();
     }
 
   private:
@@ -142,7 +154,10 @@ class AnalysisTile {
                 const std::int64_t r = 2 * row - n;
                 list_.add(t_.row(r, xy) + (begin - h0_) - floor_half(n + parity(r)), scale_ * f_.at(z, n));
             }
-            list_.run(channel.view.row(row - box.row0) + (begin - box.col0), end - begin);
+            T* out = channel.view.row(row - box.row0) + (begin - box.col0);
+            const bool streamed = c > 0 && details_ == Traffic::Streamed;
+            list_.run(streamed ? line_.data() : out, end - begin);
+            if (streamed) copy_row(line_.data(), end - begin, out, Traffic::Streamed);
         }
     }
 
@@ -155,6 +170,7 @@ class AnalysisTile {
     std::int64_t e0_, ne_;  ///< column pairs of the input
     RowRing<T> input_, t_, s_;
     Buffer<T> line_;
+    Traffic details_;  ///< of channels 1 .. 7; the next level reads channel 0
     TapList<T> list_;
 };
 
@@ -162,15 +178,26 @@ template <class T>
 class SynthesisTile {
   public:
     /// pairs: rows of the fine box, and column pairs (2k, 2k + 1).
-    SynthesisTile(const FilterPair<T>& filters, T scale, const std::array<Channel<const T>, 8>& channels,
-                  const LatticeBox& pairs, const LatticeBox& box, GridView<T> fine)
-        : f_(filters), scale_(scale), channels_(channels), pairs_(pairs), box_(box), fine_(fine),
+    SynthesisTile(const FilterPair<T>& filters, T scale,
+                  const std::array<Channel<const T>, 8>& channels, const LatticeBox& pairs,
+                  const LatticeBox& box, GridView<T> fine)
+        : f_(filters),
+          scale_(scale),
+          channels_(channels),
+          pairs_(pairs),
+          box_(box),
+          fine_(fine),
           h0_(pairs.col0 - floor_half(f_.hi + 1)),
-          nh_(pairs.cols + floor_half(f_.hi + 1) + floor_half(1 - f_.lo)), c0_(h0_ + ceil_half(f_.lo)),
-          nc_(nh_ + floor_half(f_.hi + 1) - ceil_half(f_.lo)), padded_(f_.depth() / 2 + 2, 8, nc_),
-          padded_row_(static_cast<std::size_t>(8 * (f_.depth() / 2 + 2)), kNoRow), u_(1, 4, nh_),
-          v_(f_.depth(), 4, pairs.cols), halves_(1, 2, pairs.cols),
-          line_(static_cast<std::size_t>(2 * pairs.cols)) {}
+          nh_(pairs.cols + floor_half(f_.hi + 1) + floor_half(1 - f_.lo)),
+          c0_(h0_ + ceil_half(f_.lo)),
+          nc_(nh_ + floor_half(f_.hi + 1) - ceil_half(f_.lo)),
+          padded_(f_.depth() / 2 + 2, 8, nc_),
+          padded_row_(static_cast<std::size_t>(8 * (f_.depth() / 2 + 2)), kNoRow),
+          u_(1, 4, nh_),
+          v_(f_.depth(), 4, pairs.cols),
+          halves_(1, 2, pairs.cols),
+          line_(static_cast<std::size_t>(2 * pairs.cols)),
+          traffic_(streamed_if_large<T>(box.count())) {}
 
     void run() {
         const std::int64_t last = pairs_.row0 + pairs_.rows - 1;
@@ -179,6 +206,7 @@ class SynthesisTile {
             merge_e2(r);
             if (r + f_.lo >= pairs_.row0) merge_e1(r + f_.lo);
         }
+        finish_streaming();
     }
 
   private:
@@ -244,12 +272,13 @@ class SynthesisTile {
         }
         T* row = fine_.row(r - box_.row0);
         const std::int64_t begin = 2 * pairs_.col0 - box_.col0;
-        if (begin >= 0 && begin + 2 * pairs_.cols <= box_.cols)
+        const bool inside = begin >= 0 && begin + 2 * pairs_.cols <= box_.cols;
+        if (inside && traffic_ == Traffic::Cached)
             return row_merge(halves_.row(0, 0), halves_.row(0, 1), pairs_.cols, row + begin);
         row_merge(halves_.row(0, 0), halves_.row(0, 1), pairs_.cols, line_.data());
         const std::int64_t skip = std::max<std::int64_t>(0, -begin);
         const std::int64_t end = std::min(2 * pairs_.cols, box_.cols - begin);
-        std::copy(line_.data() + skip, line_.data() + end, row + begin + skip);
+        copy_row(line_.data() + skip, end - skip, row + begin + skip, traffic_);
     }
 
     const FilterPair<T>& f_;
@@ -263,6 +292,7 @@ class SynthesisTile {
     std::vector<std::int64_t> padded_row_;
     RowRing<T> u_, v_, halves_;
     Buffer<T> line_;
+    Traffic traffic_;
     TapList<T> list_;
 };
 

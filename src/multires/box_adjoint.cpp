@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "multires/row_copy.h"
 #include "relief/core/parallel.h"
 #include "relief/core/rows.h"
 
@@ -11,7 +12,6 @@ namespace {
 
 /// Columns from either side in which weights may differ from those in the middle of a row.
 constexpr std::int64_t kRim = 3;
-constexpr std::int64_t kRowsPerBlock = 64;
 
 /// self * an element + a weighted sum of others; those outside of their plane are left out.
 template <class T>
@@ -20,9 +20,9 @@ struct Stencil {
     std::array<RowTap<T>, 16> taps;
     int count = 0;
 
-    void add(GridView<const T> plane, std::int64_t i, std::int64_t j, double weight) {
+    void add(const RowWindow<const T>& plane, std::int64_t i, std::int64_t j, double weight) {
         if (weight == 0 || i < 0 || i >= plane.rows || j < 0 || j >= plane.cols) return;
-        taps[std::size_t(count++)] = {&plane(i, j), T(weight)};
+        taps[std::size_t(count++)] = {plane.row(i) + j, T(weight)};
     }
 };
 
@@ -47,13 +47,6 @@ void apply_row(T* out, std::int64_t n, StencilAt stencil_at) {
     if (stencil.self != 1) row_fir(out + left, right - left, &self, 1);
     if (stencil.count > 0)
         row_fir_add(out + left, right - left, stencil.taps.data(), stencil.count);
-}
-
-template <class Row>
-void for_rows(std::int64_t rows, Row row) {
-    parallel_for(0, rows, kRowsPerBlock, [&](std::int64_t first, std::int64_t last) {
-        for (std::int64_t i = first; i < last; ++i) row(i);
-    });
 }
 
 bool on_border(Lattice lattice, std::int64_t i, std::int64_t j) {
@@ -83,109 +76,198 @@ double opposite_weight(const Rules& rules, Lattice lattice, int kind, std::int64
     return lattice.is_border_edge(kind, i, j) ? 0 : rules.opposite;
 }
 
-/// Transposed padding and splitting: fine points to vertices and edges, zeros on a padded line.
+/// Transposed padding and splitting of a row: zeros where a line was padded.
 template <class T>
-void split_planes(GridView<const T> fine, GridView<T> vertices, const EdgePlanes<T>& edges) {
-    const auto coset = [&](GridView<T> plane, Offset o, std::int64_t i) {
-        const std::int64_t row = 2 * i + o.row;
-        for (std::int64_t j = 0; j < plane.cols; ++j) {
-            const std::int64_t col = 2 * j + o.col;
-            plane(i, j) = row < fine.rows && col < fine.cols ? fine(row, col) : T(0);
-        }
-    };
-    for_rows(vertices.rows, [&](std::int64_t i) {
-        coset(vertices, {0, 0}, i);
-        for (std::size_t kind = 0; kind < edges.size(); ++kind)
-            if (i < edges[kind].rows) coset(edges[kind], kStep[kind], i);
-    });
+void split_row(const T* row, std::int64_t cols, T* even, T* odd) {
+    const std::int64_t pairs = cols / 2;
+    row_split(row, pairs, even, odd);
+    even[pairs] = cols % 2 == 1 ? row[cols - 1] : T(0);
 }
+
+/// Coarse rows of a strip: enough that the rows computed twice (about 7) do not count.
+constexpr std::int64_t kStripRows = 128;
+
+/// The last rows of a plane of rows x cols, with a cache line of zeros in front of and behind each.
+template <class T>
+class KeptRows {
+  public:
+    KeptRows(std::int64_t depth, std::int64_t rows, std::int64_t cols)
+        : rows_(rows), cols_(cols), kept_(depth, cols + 2 * kMargin, T(0)) {}
+    [[nodiscard]] RowWindow<const T> window() const {
+        return {kept_.row(0) + kMargin, rows_, cols_, kept_.stride(), kept_.rows()};
+    }
+    [[nodiscard]] T* row(std::int64_t i) { return kept_.row(i % kept_.rows()) + kMargin; }
+
+  private:
+    static constexpr std::int64_t kMargin = 64 / std::int64_t(sizeof(T));
+
+    std::int64_t rows_;
+    std::int64_t cols_;
+    Grid<T> kept_;
+};
+
+/// Transpose of synthesis on the strip of coarse rows first .. last - 1: row t is split, the
+/// vertices spread over the edges of row t - 1, collected in row t - 2, and the edges of row t - 4
+/// finished.
+template <class T>
+class TransposeStrip {
+  public:
+    TransposeStrip(int order, const UpdateFactors& factors, GridView<const T> fine,
+                   GridView<T> vertices, const EdgePlanes<T>& edges)
+        : order_(order),
+          factors_(factors),
+          fine_(fine),
+          vertices_out_(vertices),
+          edges_out_(edges),
+          lattice_{vertices.rows, vertices.cols},
+          traffic_(streamed_if_large<T>(fine.count())),
+          vertices_(7, lattice_.rows, lattice_.cols),
+          edges_{edge_rows(0), edge_rows(1), edge_rows(2)},
+          zeros_(1, 1, lattice_.cols),
+          targets_(1, lattice_.cols) {}
+
+    void run(std::int64_t first, std::int64_t last) {
+        const auto within = [&](std::int64_t i, std::int64_t reach, std::int64_t rows) {
+            return i >= std::max<std::int64_t>(0, first - reach) &&
+                   i < std::min(rows, last + reach);
+        };
+        const std::int64_t begin = std::max<std::int64_t>(0, first - kUpdateReach - 1);
+        for (std::int64_t t = begin; t < last + kUpdateReach + 2; ++t) {
+            if (within(t, kUpdateReach + 2, lattice_.rows)) split(t);
+            if (within(t - 1, kUpdateReach + 1, lattice_.rows)) spread(t - 1);
+            if (within(t - 2, kUpdateReach, lattice_.rows)) collect(t - 2);
+            if (within(t - 4, 0, lattice_.rows)) finish(t - 4);
+        }
+        finish_streaming();
+    }
+
+  private:
+    /// Row i is split when row i - 4 is finished.
+    KeptRows<T> edge_rows(int kind) const {
+        return {5, lattice_.edge_rows(kind), lattice_.edge_cols(kind)};
+    }
+
+    void split(std::int64_t i) {
+        T* v = vertices_.row(i);
+        T* e2 = edges_[1].row(i);
+        if (2 * i < fine_.rows) {
+            split_row(fine_.row(2 * i), fine_.cols, v, e2);
+        } else {
+            std::fill_n(v, lattice_.cols, T(0));
+            std::fill_n(e2, lattice_.edge_cols(1), T(0));
+        }
+        if (i < lattice_.edge_rows(0))
+            split_row(fine_.row(2 * i + 1), fine_.cols, edges_[0].row(i), edges_[2].row(i));
+    }
+
+    void spread(std::int64_t i) {
+        if (!rules(order_).has_vertex_step) return;
+        for (int kind = 0; kind < kEdgeKinds; ++kind)
+            if (i < lattice_.edge_rows(kind))
+                spread_vertices<T>(order_, lattice_, vertices_.window(), kind, i,
+                                   edges_[std::size_t(kind)].row(i));
+    }
+
+    void collect(std::int64_t i) {
+        const auto& [e1, e2, e3] = edges_;
+        collect_edges<T>(order_, lattice_, {e1.window(), e2.window(), e3.window()}, i,
+                         vertices_.row(i));
+    }
+
+    void finish(std::int64_t i) {
+        copy_row(vertices_.row(i), lattice_.cols, vertices_out_.row(i), Traffic::Cached);
+        TargetRows<T> around;
+        for (int o = 0; o < kTargetRows; ++o) {
+            const std::int64_t y = i + o - kUpdateReach;
+            around[std::size_t(o)] = y >= 0 && y < lattice_.rows ? vertices_.row(y) : zeros_.row(0);
+        }
+        for (int kind = 0; kind < kEdgeKinds; ++kind) {
+            if (i >= lattice_.edge_rows(kind)) continue;
+            const std::int64_t n = lattice_.edge_cols(kind);
+            T* targets = targets_.row(0);
+            collect_targets<T>(order_, around, kind, n, targets);
+            factors_.scale_row(kind, i, targets);
+            T* row = edges_[std::size_t(kind)].row(i);
+            const RowTap<T> tap = {targets, T(-1)};
+            row_fir_add(row, n, &tap, 1);
+            copy_row(row, n, edges_out_[std::size_t(kind)].row(i), traffic_);
+        }
+    }
+
+    int order_;
+    const UpdateFactors& factors_;
+    GridView<const T> fine_;
+    GridView<T> vertices_out_;
+    EdgePlanes<T> edges_out_;
+    Lattice lattice_;
+    Traffic traffic_;
+    KeptRows<T> vertices_;
+    std::array<KeptRows<T>, kEdgeKinds> edges_;
+    KeptRows<T> zeros_;
+    Grid<T> targets_;
+};
 
 }  // namespace
 
 template <class T>
-void spread_vertices(int order, Lattice lattice, GridView<const T> vertices,
-                     const EdgePlanes<T>& edges) {
+void spread_vertices(int order, Lattice lattice, const RowWindow<const T>& vertices, int kind,
+                     std::int64_t i, T* edges) {
     const Rules& r = rules(order);
-    for (int kind = 0; kind < kEdgeKinds; ++kind) {
-        const Offset step = kStep[std::size_t(kind)];
-        const GridView<T>& plane = edges[std::size_t(kind)];
-        const auto stencil = [&](std::int64_t i, std::int64_t j) {
-            Stencil<T> s;
-            for (const Offset o : {Offset{0, 0}, step})
-                s.add(vertices, i + o.row, j + o.col,
-                      ring_weight(r, lattice, kind, i + o.row, j + o.col));
-            return s;
-        };
-        for_rows(plane.rows, [&](std::int64_t i) {
-            apply_row(plane.row(i), plane.cols, [&](std::int64_t j) { return stencil(i, j); });
-        });
-    }
+    const Offset step = kStep[std::size_t(kind)];
+    apply_row(edges, lattice.edge_cols(kind), [&](std::int64_t j) {
+        Stencil<T> s;
+        for (const Offset o : {Offset{0, 0}, step})
+            s.add(vertices, i + o.row, j + o.col,
+                  ring_weight(r, lattice, kind, i + o.row, j + o.col));
+        return s;
+    });
 }
 
 template <class T>
-void collect_edges(int order, Lattice lattice, const EdgePlanes<const T>& edges,
-                   GridView<T> vertices) {
+void collect_edges(int order, Lattice lattice, const EdgeWindows<const T>& edges, std::int64_t i,
+                   T* vertices) {
     const Rules& r = rules(order);
-    const auto stencil = [&](std::int64_t i, std::int64_t j) {
+    apply_row(vertices, lattice.cols, [&](std::int64_t j) {
         Stencil<T> s;
         s.self = T(centre_weight(r, lattice, i, j));
         for (int kind = 0; kind < kEdgeKinds; ++kind) {
-            const GridView<const T>& plane = edges[std::size_t(kind)];
             const auto add = [&](Offset o, auto weight) {
-                s.add(plane, i - o.row, j - o.col, weight(r, lattice, kind, i - o.row, j - o.col));
+                s.add(edges[std::size_t(kind)], i - o.row, j - o.col,
+                      weight(r, lattice, kind, i - o.row, j - o.col));
             };
             add({0, 0}, ends_weight);
             add(kStep[std::size_t(kind)], ends_weight);
             for (const Offset o : kOpposite[std::size_t(kind)]) add(o, opposite_weight);
         }
         return s;
-    };
-    for_rows(vertices.rows, [&](std::int64_t i) {
-        apply_row(vertices.row(i), vertices.cols, [&](std::int64_t j) { return stencil(i, j); });
     });
 }
 
 template <class T>
-void collect_targets(int order, GridView<const T> vertices, int kind, std::int64_t row,
-                     std::int64_t n, T* sums) {
+void collect_targets(int order, const TargetRows<T>& vertices, int kind, std::int64_t n, T* sums) {
     const Rules& r = rules(order);
-    std::fill_n(sums, n, T(0));
-    apply_row(sums, n, [&](std::int64_t j) {
-        Stencil<T> s;
-        for (std::size_t t = 0; t < std::size_t(r.update_taps); ++t) {
-            const Offset o = for_kind(kind, kUpdate[t].offset);
-            s.add(vertices, row + o.row, j + o.col, r.update[std::size_t(kUpdate[t].weight)]);
-        }
-        return s;
-    });
+    std::array<RowTap<T>, kUpdate.size()> taps;
+    for (std::size_t t = 0; t < std::size_t(r.update_taps); ++t) {
+        const Offset o = for_kind(kind, kUpdate[t].offset);
+        taps[t] = {vertices[std::size_t(o.row + kUpdateReach)] + o.col,
+                   T(r.update[std::size_t(kUpdate[t].weight)])};
+    }
+    row_fir(sums, n, taps.data(), r.update_taps);
 }
 
 template <class T>
 void transpose_level(int order, const UpdateFactors& factors, GridView<const T> fine,
                      GridView<T> vertices, const EdgePlanes<T>& edges) {
-    const Lattice lattice = {vertices.rows, vertices.cols};
-    split_planes(fine, vertices, edges);
-    if (rules(order).has_vertex_step) spread_vertices<T>(order, lattice, vertices, edges);
-    collect_edges<T>(order, lattice, {edges[0], edges[1], edges[2]}, vertices);
-    for (int kind = 0; kind < kEdgeKinds; ++kind) {
-        const GridView<T>& plane = edges[std::size_t(kind)];
-        parallel_for(0, plane.rows, kRowsPerBlock, [&](std::int64_t first, std::int64_t last) {
-            Buffer<T> targets(static_cast<std::size_t>(plane.cols));
-            for (std::int64_t i = first; i < last; ++i) {
-                collect_targets<T>(order, vertices, kind, i, plane.cols, targets.data());
-                factors.scale_row(kind, i, targets.data());
-                for (std::int64_t j = 0; j < plane.cols; ++j)
-                    plane(i, j) -= targets[std::size_t(j)];
-            }
-        });
-    }
+    parallel_for(0, vertices.rows, kStripRows, [&](std::int64_t first, std::int64_t last) {
+        TransposeStrip<T>(order, factors, fine, vertices, edges).run(first, last);
+    });
 }
 
-#define RELIEF_INSTANTIATE(T)                                                                   \
-    template void spread_vertices(int, Lattice, GridView<const T>, const EdgePlanes<T>&);       \
-    template void collect_edges(int, Lattice, const EdgePlanes<const T>&, GridView<T>);         \
-    template void collect_targets(int, GridView<const T>, int, std::int64_t, std::int64_t, T*); \
-    template void transpose_level(int, const UpdateFactors&, GridView<const T>, GridView<T>,    \
+#define RELIEF_INSTANTIATE(T)                                                                      \
+    template void spread_vertices(int, Lattice, const RowWindow<const T>&, int, std::int64_t, T*); \
+    template void collect_edges(int, Lattice, const EdgeWindows<const T>&, std::int64_t, T*);      \
+    template void collect_targets(int, const TargetRows<T>&, int, std::int64_t, T*);               \
+    template void transpose_level(int, const UpdateFactors&, GridView<const T>, GridView<T>,       \
                                   const EdgePlanes<T>&);
 RELIEF_INSTANTIATE(float)
 RELIEF_INSTANTIATE(double)

@@ -15,8 +15,7 @@ struct Integrals {
     Grid<double> vertices;
     std::array<Grid<double>, kEdgeKinds> edges;
 
-    EdgePlanes<double> edge_views() { return {edges[0].view(), edges[1].view(), edges[2].view()}; }
-    [[nodiscard]] EdgePlanes<const double> edge_views() const {
+    [[nodiscard]] EdgeWindows<const double> edge_windows() const {
         return {edges[0].view(), edges[1].view(), edges[2].view()};
     }
 };
@@ -37,21 +36,33 @@ Integrals coarse_integrals(int order, Lattice lattice, const Grid<double>& fine)
     for (int kind = 0; kind < kEdgeKinds; ++kind)
         out.edges[std::size_t(kind)] =
             coset(fine, lattice.edge_rows(kind), lattice.edge_cols(kind), kStep[std::size_t(kind)]);
-    if (rules(order).has_vertex_step)
-        spread_vertices<double>(order, lattice, out.vertices.view(), out.edge_views());
     const Integrals& done = out;
-    collect_edges<double>(order, lattice, done.edge_views(), out.vertices.view());
+    if (rules(order).has_vertex_step)
+        for (int kind = 0; kind < kEdgeKinds; ++kind)
+            for (std::int64_t i = 0; i < lattice.edge_rows(kind); ++i)
+                spread_vertices<double>(order, lattice, done.vertices.view(), kind, i,
+                                        out.edges[std::size_t(kind)].row(i));
+    for (std::int64_t i = 0; i < lattice.rows; ++i)
+        collect_edges<double>(order, lattice, done.edge_windows(), i, out.vertices.row(i));
     return out;
 }
 
 std::array<Grid<double>, kEdgeKinds> factor_tables(int order, const Integrals& integrals) {
     std::array<Grid<double>, kEdgeKinds> tables;
+    const Grid<double>& vertices = integrals.vertices;
+    Grid<double> padded(vertices.rows() + 2 * kUpdateReach, vertices.cols() + 2 * kUpdateReach,
+                        0.0);
+    for (std::int64_t i = 0; i < vertices.rows(); ++i)
+        std::copy_n(vertices.row(i), vertices.cols(), padded.row(i + kUpdateReach) + kUpdateReach);
     for (int kind = 0; kind < kEdgeKinds; ++kind) {
         const Grid<double>& edges = integrals.edges[std::size_t(kind)];
         Grid<double> factors(edges.rows(), edges.cols());
         for (std::int64_t i = 0; i < edges.rows(); ++i) {
             double* row = factors.row(i);
-            collect_targets<double>(order, integrals.vertices.view(), kind, i, edges.cols(), row);
+            TargetRows<double> targets;
+            for (int o = 0; o < kTargetRows; ++o)
+                targets[std::size_t(o)] = padded.row(i + o) + kUpdateReach;
+            collect_targets<double>(order, targets, kind, edges.cols(), row);
             for (std::int64_t j = 0; j < edges.cols(); ++j) {
                 row[j] = edges(i, j) / row[j];
                 // Away from the border the quotient is 1 but for rounding.

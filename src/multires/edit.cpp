@@ -60,7 +60,7 @@ Status apply_moves(Pyramid<T>& pyramid, const std::vector<Move>& moves) {
         // Analysis is linear: the bands above a move change by the analysis of the change alone.
         const LevelCoefficients<T> change = field_of<T>(layout, moves, level);
         auto difference = Pyramid<T>::allocate(layout);
-        box::Workspace<T> workspace;
+        Workspace<T> workspace;
         for (std::size_t c = 0; c < change.planes.size(); ++c) {
             const int component = static_cast<int>(c);
             if (layout.spec.id == SchemeId::Box)

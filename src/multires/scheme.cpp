@@ -252,22 +252,27 @@ Planes<T> samples_of(const PyramidLayout& layout, const LevelCoefficients<T>& le
     const LatticeBox& box = level_coefficients.box;
     Planes<T> result;
     for (const Grid<T>& plane : level_coefficients.planes) {
+        GridView<const T> values = plane.view();
         Grid<T> sampled;
-        const Grid<T>* values = &plane;
         if (!samples_are_coefficients(layout.spec)) {
             sampled = Grid<T>(plane.rows(), plane.cols());
-            (void)spline::sample_lattice<T>(layout.spec.order, plane.view(), sampled.view());
-            values = &sampled;
+            (void)spline::sample_lattice<T>(layout.spec.order, values, sampled.view());
+            values = std::as_const(sampled).view();
         }
-        const GridView<const T> all = values->view();
-        result.push_back(copied(GridView<const T>(all.row(-box.row0) - box.col0, rows, cols, all.stride)));
+        if (sampled.empty() || box != LatticeBox{0, 0, rows, cols})
+            sampled = copied(
+                GridView<const T>(values.row(-box.row0) - box.col0, rows, cols, values.stride));
+        result.push_back(std::move(sampled));
     }
     return result;
 }
 
 template <class T>
 Planes<T> synthesise(const Pyramid<T>& pyramid, int level) {
-    return samples_of(pyramid.layout, coefficients(pyramid, level), level);
+    auto result = coefficients(pyramid, level);
+    const PyramidLayout& layout = pyramid.layout;
+    if (level == 0 && samples_are_coefficients(layout.spec)) return std::move(result.planes);
+    return samples_of(layout, result, level);
 }
 
 template <class T>

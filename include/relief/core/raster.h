@@ -32,6 +32,11 @@ enum class SampleType : std::uint8_t { UInt8, UInt16, Int16, UInt32, Int32, Floa
 /// Requires: value is finite.
 [[nodiscard]] double stored_value(double value, SampleType type, std::optional<double> nodata);
 
+/// out[k] = stored_value(values[k], type, nodata) for k < n; `out` may be `values`. The type is
+/// looked at once for all.
+void stored_row(const double* values, std::int64_t n, SampleType type, std::optional<double> nodata,
+                double* out);
+
 /// Where a raster lies.
 struct GeoReference {
     /// x = t[0] + t[1] col + t[2] row, y = t[3] + t[4] col + t[5] row; (col, row) = (0, 0) is the

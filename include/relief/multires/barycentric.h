@@ -6,6 +6,7 @@
 
 #include "relief/multires/filters.h"
 #include "relief/multires/pyramid.h"
+#include "relief/multires/workspace.h"
 
 /// Scheme `barycentric`: multiresolution of box-spline coefficients on the triangular lattice with one scaling function
 /// and seven wavelets, the projections of tensor-product wavelets along (1,1,1). Each level runs three directional
@@ -22,15 +23,23 @@ namespace relief::multires::barycentric {
 /// can reach the fine box.
 [[nodiscard]] std::array<LatticeBox, 8> channel_boxes(const FilterBank& bank, const LatticeBox& fine);
 
-/// Scaling coefficients of `first_level` (0: the finest) to the bands of `component` above that level, in `out`
-/// (allocated). Complexity: O(coefficients); scratch memory: the scaling coefficients of the next level, and for exact
-/// semi-orthogonal analysis a padded copy.
+/// Scaling coefficients of `first_level` (0: the finest) to the bands of `component` above that
+/// level, in `out` (allocated). Complexity: O(coefficients); scratch memory: 5/16 of the scaling
+/// coefficients, and for exact semi-orthogonal analysis a padded copy.
 template <class T>
 void analyse(GridView<const T> scaling, int component, Pyramid<T>& out, int first_level = 0);
+template <class T>
+void analyse(GridView<const T> scaling, int component, Pyramid<T>& out, Workspace<T>& workspace,
+             int first_level = 0);
 
 /// The scaling coefficients of `level` on the box of that level (level 0: the raster's).
 template <class T>
 [[nodiscard]] Grid<T> coefficients(const Pyramid<T>& pyramid, int component, int level);
+
+/// The same into a kept buffer; `out` has the size of that level's box.
+template <class T>
+void coefficients(const Pyramid<T>& pyramid, int component, int level, GridView<T> out,
+                  Workspace<T>& workspace);
 
 /// The box of the scaling coefficients of `level`.
 [[nodiscard]] LatticeBox level_box(const PyramidLayout& layout, int level);

@@ -5,6 +5,7 @@
 #include "relief/core/grid.h"
 #include "relief/core/result.h"
 #include "relief/multires/pyramid.h"
+#include "relief/multires/workspace.h"
 
 /// Scheme `box`: critically sampled lifting on the triangular lattice, after barycentric-mra.md
 /// section 7. Coarse surfaces are box-spline surfaces M_111 (order 1, linear) or M_222 (order 2,
@@ -22,26 +23,6 @@ namespace relief::multires::box {
 /// or a side beyond 2^31 - 1. Complexity: O(levels).
 [[nodiscard]] Result<PyramidLayout> layout(const SchemeSpec& spec, std::int64_t rows,
                                            std::int64_t cols, int components);
-
-/// Memory for the scaling coefficients between levels, a third of a raster, kept from call to call:
-/// for several components or many tiles, first touch of fresh memory would cost as much as a level.
-/// One workspace serves one call at a time.
-template <class T>
-class Workspace {
-  public:
-    /// rows x cols elements, not initialised, valid until slot 0 or 1 is asked for again.
-    GridView<T> grid(int slot, std::int64_t rows, std::int64_t cols) {
-        constexpr std::int64_t line = 64 / std::int64_t(sizeof(T));
-        const std::int64_t stride = ((cols + line - 1) / line | 1) * line;
-        Buffer<T>& buffer = slots_[slot];
-        if (buffer.size() < std::size_t(rows * stride))
-            buffer = Buffer<T>(std::size_t(rows * stride));
-        return {buffer.data(), rows, cols, stride};
-    }
-
-  private:
-    Buffer<T> slots_[2];
-};
 
 /// Finest scaling coefficients to the bands of `component`. Reconstruction is exact up to rounding.
 /// Requires: `out` allocated for a layout of this scheme; `finest` finite and of its size.
