@@ -4,6 +4,8 @@
 #include <random>
 
 #include "relief/codec/band_coder.h"
+#include "relief/codec/raster_codec.h"
+#include "transform_bench.h"
 
 /// MB/s of the coefficients as float32, one thread, three bands of 256 x 256: a level of a 512 x
 /// 512 tile.
@@ -59,6 +61,50 @@ void decode_bands(benchmark::State& state) {
     report(state, bytes.size());
 }
 
+/// Hills of many sizes.
+Raster hills(std::int64_t side) {
+    Raster raster;
+    raster.rows = side;
+    raster.cols = side;
+    Grid<double> plane(side, side);
+    for (std::int64_t r = 0; r < side; ++r)
+        for (std::int64_t c = 0; c < side; ++c) {
+            const auto x = static_cast<double>(r);
+            const auto y = static_cast<double>(c);
+            double height = 0;
+            for (double size = 512; size >= 2; size /= 2)
+                height += size * std::sin(x / size + std::cos(y / size)) *
+                          std::cos(y / size - x / size / 3);
+            plane(r, c) = static_cast<float>(height);
+        }
+    raster.planes.push_back(std::move(plane));
+    return raster;
+}
+
+/// Least squares on a fixed share, a root mean square error, a guaranteed error: all threads, wall
+/// time.
+void encode_file(benchmark::State& state, Goal goal) {
+    const Raster raster = hills(1024);
+    EncodeOptions options;
+    options.goal = goal;
+    std::size_t bytes = 0;
+    bench::measure(state, raster.planes[0], 0, [&] {
+        const auto file = encode_raster(raster, options);
+        if (file.ok()) bytes = file->bytes.size();
+    });
+    state.counters["bits/sample"] =
+        8 * static_cast<double>(bytes) / static_cast<double>(raster.planes[0].count());
+}
+
+BENCHMARK_CAPTURE(encode_file, keep_13, Goal{Goal::Kind::Keep, 13})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(encode_file, rms_error_2, Goal{Goal::Kind::RmsError, 2})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(encode_file, max_error_1, Goal{Goal::Kind::MaxError, 1})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 BENCHMARK(encode_bands)->Arg(150)->Arg(300)->Arg(1700)->Unit(benchmark::kMillisecond);
 BENCHMARK(decode_bands)->Arg(150)->Arg(300)->Arg(1700)->Unit(benchmark::kMillisecond);
 

@@ -21,7 +21,8 @@ void* allocate_aligned(std::size_t bytes) {
     void* block = std::aligned_alloc(alignment, padded);
     if (!block) throw std::bad_alloc();
 #ifdef __linux__
-    if (bytes >= kHugeFrom) madvise(block, padded, MADV_HUGEPAGE);
+    // Whole huge pages only: the rest of a last one would be memory for nothing.
+    if (bytes >= kHugeFrom) madvise(block, bytes / kHugePage * kHugePage, MADV_HUGEPAGE);
 #endif
     return block;
 }

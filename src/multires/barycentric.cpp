@@ -5,6 +5,7 @@
 #include <string>
 
 #include "multires/barycentric_tiles.h"
+#include "relief/core/parallel.h"
 
 namespace relief::multires::barycentric {
 
@@ -90,8 +91,10 @@ Grid<T> divided(const FilterBank& bank, GridView<const T> fine, const LatticeBox
     padded = {box.row0 - margin, box.col0 - margin, box.rows + 2 * margin, box.cols + 2 * margin};
     Grid<T> grid(padded.rows, padded.cols);
     const ExtendedRows<T> extension(fine, box);
-    for (std::int64_t r = 0; r < padded.rows; ++r)
-        extension.fill(padded.row0 + r, padded.col0, padded.cols, grid.row(r));
+    parallel_for(0, padded.rows, 64, [&](std::int64_t first, std::int64_t last) {
+        for (std::int64_t r = first; r < last; ++r)
+            extension.fill(padded.row0 + r, padded.col0, padded.cols, grid.row(r));
+    });
     divide_by_symbol(bank.poles, bank.gain, grid.view());
     return grid;
 }

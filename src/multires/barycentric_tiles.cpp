@@ -18,6 +18,10 @@ namespace {
 constexpr std::int64_t kTileRows = 128;
 constexpr std::int64_t kTileCols = 512;
 
+/// Columns of a strip and rows at once of divide_by_symbol.
+constexpr std::int64_t kDivisionCols = 1024;
+constexpr int kDivisionRows = 8;
+
 std::int64_t floor_half(std::int64_t n) { return n >> 1; }
 std::int64_t ceil_half(std::int64_t n) { return (n + 1) >> 1; }
 int parity(std::int64_t n) { return static_cast<int>(n & 1); }
@@ -322,6 +326,52 @@ Extended extend(std::int64_t k, std::int64_t n) {
     return {k, -1};
 }
 
+/// grid(r, c) += pole * grid(r - 2, c - shift) down all rows, then the same upwards. Even and odd
+/// rows do not meet, nor do columns where nothing is shifted.
+template <class T>
+void divide_along_rows(T pole, std::int64_t shift, GridView<T> grid) {
+    const std::int64_t n = grid.cols - shift;
+    if (n <= 0) return;
+    const std::int64_t width = shift == 0 ? kDivisionCols : n;
+    const std::int64_t across = (n + width - 1) / width;
+    parallel_for(0, 2 * across, 1, [&](std::int64_t task, std::int64_t) {
+        const std::int64_t first = task % 2;
+        const std::int64_t col = task / 2 * width;
+        const std::int64_t count = std::min(width, n - col);
+        for (std::int64_t r = first + 2; r < grid.rows; r += 2) {
+            const RowTap<T> tap{grid.row(r - 2) + col, pole};
+            row_fir_add(grid.row(r) + col + shift, count, &tap, 1);
+        }
+        const std::int64_t last = grid.rows - 1 - (grid.rows - 1 - first) % 2;
+        for (std::int64_t r = last - 2; r >= first; r -= 2) {
+            const RowTap<T> tap{grid.row(r + 2) + col + shift, pole};
+            row_fir_add(grid.row(r) + col, count, &tap, 1);
+        }
+    });
+}
+
+/// row(c) += pole * row(c - 2) from left to right, then row(c) += pole * row(c + 2) back, for kRows
+/// rows at once: each step of one row waits for the step before, so that a processor has time for
+/// several rows.
+template <int kRows, class T>
+void divide_along_columns(T pole, std::int64_t first, GridView<T> grid) {
+    std::array<T*, kRows> rows;
+    for (int k = 0; k < kRows; ++k) rows[static_cast<std::size_t>(k)] = grid.row(first + k);
+    const auto sweep = [&](std::int64_t begin, std::int64_t end, std::int64_t step) {
+        std::array<T, kRows> older{};
+        std::array<T, kRows> newer{};
+        for (std::int64_t c = begin; c != end; c += step)
+            for (std::size_t k = 0; k < kRows; ++k) {
+                const T value = rows[k][c] + pole * older[k];
+                rows[k][c] = value;
+                older[k] = newer[k];
+                newer[k] = value;
+            }
+    };
+    sweep(0, grid.cols, 1);
+    sweep(grid.cols - 1, -1, -1);
+}
+
 }  // namespace
 
 template <class T>
@@ -396,38 +446,22 @@ void synthesise_level(const Sequence& low, const Sequence& high, double scale,
 
 template <class T>
 void divide_by_symbol(const std::vector<double>& poles, double gain, GridView<T> grid) {
-    const std::int64_t rows = grid.rows;
-    const std::int64_t cols = grid.cols;
-    /// grid(r) += pole * grid(r - 2 step) shifted by `shift` columns, for all rows in the order of the recursion.
-    const auto sweep_rows = [&](T pole, std::int64_t shift) {
-        const std::int64_t lead = std::max<std::int64_t>(0, shift);
-        const std::int64_t n = cols - std::abs(shift);
-        if (n <= 0) return;
-        for (std::int64_t r = 2; r < rows; ++r) {
-            const RowTap<T> tap{grid.row(r - 2), pole};
-            row_fir_add(grid.row(r) + lead, n, &tap, 1);
-        }
-        for (std::int64_t r = rows - 3; r >= 0; --r) {
-            const RowTap<T> tap{grid.row(r + 2) + lead, pole};
-            row_fir_add(grid.row(r), n, &tap, 1);
-        }
-    };
     for (const double pole_value : poles) {
         const T pole = static_cast<T>(pole_value);
-        sweep_rows(pole, 0);
-        sweep_rows(pole, 2);
-        parallel_for(0, rows, 16, [&](std::int64_t first, std::int64_t last) {
-            for (std::int64_t r = first; r < last; ++r) {
-                T* row = grid.row(r);
-                for (std::int64_t c = 2; c < cols; ++c) row[c] = row[c] + pole * row[c - 2];
-                for (std::int64_t c = cols - 3; c >= 0; --c) row[c] = row[c] + pole * row[c + 2];
-            }
+        divide_along_rows(pole, 0, grid);
+        divide_along_rows(pole, 2, grid);
+        parallel_for(0, grid.rows, kDivisionRows, [&](std::int64_t first, std::int64_t last) {
+            if (last - first == kDivisionRows)
+                return divide_along_columns<kDivisionRows>(pole, first, grid);
+            for (std::int64_t r = first; r < last; ++r) divide_along_columns<1>(pole, r, grid);
         });
     }
     const T factor = static_cast<T>(1 / (gain * gain * gain));
-    parallel_for(0, rows, 64, [&](std::int64_t first, std::int64_t last) {
-        for (std::int64_t r = first; r < last; ++r)
-            for (std::int64_t c = 0; c < cols; ++c) grid(r, c) = grid(r, c) * factor;
+    parallel_for(0, grid.rows, 64, [&](std::int64_t first, std::int64_t last) {
+        for (std::int64_t r = first; r < last; ++r) {
+            const RowTap<T> scaled{grid.row(r), factor};
+            row_fir(grid.row(r), grid.cols, &scaled, 1);
+        }
     });
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "multires/row_copy.h"
+#include "multires/strips.h"
 #include "relief/core/parallel.h"
 #include "relief/core/rows.h"
 
@@ -83,9 +84,6 @@ void split_row(const T* row, std::int64_t cols, T* even, T* odd) {
     row_split(row, pairs, even, odd);
     even[pairs] = cols % 2 == 1 ? row[cols - 1] : T(0);
 }
-
-/// Coarse rows of a strip: enough that the rows computed twice (about 7) do not count.
-constexpr std::int64_t kStripRows = 128;
 
 /// The last rows of a plane of rows x cols, with a cache line of zeros in front of and behind each.
 template <class T>
@@ -258,9 +256,10 @@ void collect_targets(int order, const TargetRows<T>& vertices, int kind, std::in
 template <class T>
 void transpose_level(int order, const UpdateFactors& factors, GridView<const T> fine,
                      GridView<T> vertices, const EdgePlanes<T>& edges) {
-    parallel_for(0, vertices.rows, kStripRows, [&](std::int64_t first, std::int64_t last) {
-        TransposeStrip<T>(order, factors, fine, vertices, edges).run(first, last);
-    });
+    parallel_for(0, vertices.rows, strip_rows(vertices.rows),
+                 [&](std::int64_t first, std::int64_t last) {
+                     TransposeStrip<T>(order, factors, fine, vertices, edges).run(first, last);
+                 });
 }
 
 #define RELIEF_INSTANTIATE(T)                                                                      \

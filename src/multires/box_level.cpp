@@ -4,15 +4,13 @@
 
 #include "multires/box_rows.h"
 #include "multires/box_update.h"
+#include "multires/strips.h"
 #include "relief/core/parallel.h"
 #include "relief/core/rows.h"
 
 namespace relief::multires::box {
 
 namespace {
-
-/// Coarse rows of a strip: enough that the rows computed twice (about 6) do not count.
-constexpr std::int64_t kStripRows = 128;
 
 /// The last `depth` rows of a plane. Rows start on cache lines, an odd number of them apart, and
 /// have kRowMargin elements on both sides that are zero until somebody writes there.
@@ -347,17 +345,19 @@ class SynthesisStrip {
 template <class T>
 void analyse_level(int order, const UpdateFactors& factors, GridView<const T> fine,
                    GridView<T> vertices, const EdgePlanes<T>& edges) {
-    parallel_for(0, vertices.rows, kStripRows, [&](std::int64_t first, std::int64_t last) {
-        AnalysisStrip<T>(order, factors, fine, vertices, edges, {first, last}).run();
-    });
+    parallel_for(0, vertices.rows, strip_rows(vertices.rows),
+                 [&](std::int64_t first, std::int64_t last) {
+                     AnalysisStrip<T>(order, factors, fine, vertices, edges, {first, last}).run();
+                 });
 }
 
 template <class T>
 void synthesise_level(int order, const UpdateFactors& factors, GridView<const T> vertices,
                       const EdgePlanes<const T>& edges, Traffic traffic, GridView<T> fine) {
-    parallel_for(0, vertices.rows, kStripRows, [&](std::int64_t first, std::int64_t last) {
-        SynthesisStrip<T>(order, factors, vertices, edges, traffic, fine, {first, last}).run();
-    });
+    parallel_for(
+        0, vertices.rows, strip_rows(vertices.rows), [&](std::int64_t first, std::int64_t last) {
+            SynthesisStrip<T>(order, factors, vertices, edges, traffic, fine, {first, last}).run();
+        });
 }
 
 #define RELIEF_INSTANTIATE(T)                                                              \

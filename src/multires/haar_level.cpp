@@ -3,14 +3,12 @@
 #include <algorithm>
 
 #include "multires/haar_rows.h"
+#include "multires/strips.h"
 #include "relief/core/parallel.h"
 
 namespace relief::multires::barycentric {
 
 namespace {
-
-/// Coarse rows of a strip: enough that the row that synthesis computes twice does not count.
-constexpr std::int64_t kStripRows = 64;
 
 /// Columns at the left end that run apart: a whole cache line, so that the rows behind stay
 /// aligned.
@@ -136,9 +134,10 @@ bool is_haar(const Sequence& low, const Sequence& high) {
 template <class T>
 void analyse_haar_level(T scale, const RowSource<T>& fine,
                         const std::array<Channel<T>, 8>& channels) {
-    parallel_for(0, channels[0].box.rows, kStripRows, [&](std::int64_t first, std::int64_t last) {
-        HaarAnalysis<T> rows(scale, fine, channels);
-        for (std::int64_t i = first; i < last; ++i) rows.run(i);
+    const std::int64_t rows = channels[0].box.rows;
+    parallel_for(0, rows, strip_rows(rows), [&](std::int64_t first, std::int64_t last) {
+        HaarAnalysis<T> strip(scale, fine, channels);
+        for (std::int64_t i = first; i < last; ++i) strip.run(i);
         finish_streaming();
     });
 }
@@ -146,7 +145,8 @@ void analyse_haar_level(T scale, const RowSource<T>& fine,
 template <class T>
 void synthesise_haar_level(T scale, const std::array<Channel<const T>, 8>& channels,
                            GridView<T> fine) {
-    parallel_for(0, (fine.rows + 1) / 2, kStripRows, [&](std::int64_t first, std::int64_t last) {
+    const std::int64_t rows = (fine.rows + 1) / 2;
+    parallel_for(0, rows, strip_rows(rows), [&](std::int64_t first, std::int64_t last) {
         HaarSynthesis<T>(scale, channels, fine).run(first, last);
     });
 }

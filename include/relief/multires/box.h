@@ -24,6 +24,8 @@ namespace relief::multires::box {
 [[nodiscard]] Result<PyramidLayout> layout(const SchemeSpec& spec, std::int64_t rows,
                                            std::int64_t cols, int components);
 
+using multires::Workspace;
+
 /// Finest scaling coefficients to the bands of `component`. Reconstruction is exact up to rounding.
 /// Requires: `out` allocated for a layout of this scheme; `finest` finite and of its size.
 /// With first_level above 0 `finest` holds the scaling coefficients of that level, and only the bands
