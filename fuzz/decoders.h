@@ -1,14 +1,20 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "codec/raster_header.h"
 #include "relief/codec/band_coder.h"
 #include "relief/codec/container.h"
 #include "relief/codec/mask_coder.h"
+#include "relief/codec/raster_codec.h"
 
 /// What the fuzzers run, and the tests on a small corpus. Each takes any bytes and must return;
 /// what decodes must encode to something that decodes to the same.
@@ -90,6 +96,139 @@ inline void mask(std::span<const std::uint8_t> bytes) {
     require(decode_mask(encode_mask(image.view()), decoded.view()).ok());
     for (std::int64_t r = 0; r < image.rows(); ++r)
         for (std::int64_t c = 0; c < image.cols(); ++c) require(image(r, c) == decoded(r, c));
+}
+
+/// Sizes that are decoded quickly; larger ones are not the point.
+inline bool is_small(const ContainerReader& container) {
+    const auto header = read_header(container.header());
+    return !header.ok() || header->description.rows <= (1 << 20) / header->description.cols;
+}
+
+/// All that can be asked of an opened file; what decodes is whole and finite.
+inline void explore(const RasterFile& file) {
+    (void)file.bands();
+    (void)file.chunks();
+    (void)file.checksums_ok();
+    (void)file.control_net();
+    for (int level = 0; level <= file.layout().levels(); ++level) {
+        (void)file.bound(level);
+        require(file.bytes_for(level) <= file.size());
+        const auto raster = file.decode(level);
+        if (!raster.ok()) continue;
+        require(raster->rows == (file.layout().rows + (std::int64_t{1} << level) - 1) >> level);
+        for (const Grid<double>& plane : raster->planes)
+            for (std::int64_t r = 0; r < plane.rows(); ++r)
+                for (std::int64_t c = 0; c < plane.cols(); ++c)
+                    require(!raster->valid(r, c) || std::isfinite(plane(r, c)));
+    }
+}
+
+/// The bytes as a raster file, as its beginning, and with a move added.
+inline void raster(std::span<const std::uint8_t> bytes) {
+    const auto container = ContainerReader::open(bytes, bytes.size());
+    if (container.ok() && !is_small(*container)) return;
+    const std::vector<std::uint8_t> copy(bytes.begin(), bytes.end());
+    if (const auto file = RasterFile::open(copy); file.ok()) {
+        explore(*file);
+        if (const auto moved = add_moves(bytes, {{.delta = {1}}}); moved.ok()) {
+            const auto again = RasterFile::open(*moved);
+            require(again.ok() && again->moves().size() == file->moves().size() + 1);
+        }
+    }
+    if (const auto prefix = RasterFile::open_prefix(copy, bytes.size()); prefix.ok()) explore(*prefix);
+}
+
+/// Small files of every kind: a mask, moves, corrections of integers and of floats, two schemes.
+inline const std::vector<std::vector<std::uint8_t>>& valid_rasters() {
+    static const auto files = [] {
+        const auto surface = [](SampleType type, bool holes) {
+            Raster raster;
+            raster.rows = 13;
+            raster.cols = 18;
+            raster.type = type;
+            Grid<double> plane(13, 18);
+            for (std::int64_t r = 0; r < 13; ++r)
+                for (std::int64_t c = 0; c < 18; ++c)
+                    plane(r, c) = static_cast<double>((r * r + 3 * c) % 47 + (r * c) % 5);
+            raster.planes.push_back(std::move(plane));
+            if (holes) {
+                raster.mask = Grid<std::uint8_t>(13, 18, std::uint8_t{1});
+                for (std::int64_t r = 2; r < 6; ++r) raster.mask(r, r + 1) = 0;
+            }
+            return raster;
+        };
+        using Kind = Goal::Kind;
+        std::vector<std::vector<std::uint8_t>> coded;
+        const auto add = [&](const Raster& raster, multires::SchemeId scheme, Goal goal) {
+            multires::SchemeSpec spec;
+            spec.id = scheme;
+            coded.push_back(encode_raster(raster, {.spec = spec, .goal = goal})->bytes);
+        };
+        add(surface(SampleType::Int16, true), multires::SchemeId::Box, {Kind::MaxError, 2});
+        add(surface(SampleType::Float32, false), multires::SchemeId::Box, {Kind::Lossless, 0});
+        add(surface(SampleType::Float64, true), multires::SchemeId::Barycentric, {Kind::Keep, 40});
+        coded.push_back(*add_moves(coded[0], {{.level = 1, .row = 2, .col = 3, .delta = {5}}}));
+        return coded;
+    }();
+    return files;
+}
+
+/// The same file with another header, chunks altered; all checksums hold.
+inline std::vector<std::uint8_t> rebuilt(const ContainerReader& reader, const std::string& header,
+                                         const std::vector<std::vector<std::uint8_t>>& chunks) {
+    ContainerWriter writer(header);
+    for (std::size_t k = 0; k < chunks.size(); ++k)
+        require(writer.add(reader.chunks()[k], chunks[k]).ok());
+    const auto file = writer.finish();
+    return file.ok() ? *file : std::vector<std::uint8_t>();
+}
+
+inline std::vector<std::vector<std::uint8_t>> chunks_of(const ContainerReader& reader) {
+    std::vector<std::vector<std::uint8_t>> chunks;
+    for (std::size_t k = 0; k < reader.chunks().size(); ++k) {
+        const auto chunk = *reader.chunk(k);
+        chunks.emplace_back(chunk.begin(), chunk.end());
+    }
+    return chunks;
+}
+
+/// The first byte chooses a valid file. Then edits: chunk, place (2 bytes), count, and as many bytes
+/// that are added to those there; count 255 cuts the chunk off at the place instead.
+inline void raster_chunks(std::span<const std::uint8_t> bytes) {
+    if (bytes.empty()) return;
+    const auto& files = valid_rasters();
+    const auto& file = files[bytes[0] % files.size()];
+    const auto reader = *ContainerReader::open(file, file.size());
+    auto chunks = chunks_of(reader);
+    for (bytes = bytes.subspan(1); bytes.size() >= 4;) {
+        auto& chunk = chunks[bytes[0] % chunks.size()];
+        const std::size_t place = (bytes[1] | bytes[2] << 8) % (chunk.size() + 1);
+        const std::size_t count = bytes[3];
+        bytes = bytes.subspan(4);
+        if (count == 255) {
+            chunk.resize(place);
+            continue;
+        }
+        const std::size_t used = std::min(count, bytes.size());
+        if (chunk.size() < place + used) chunk.resize(place + used);
+        for (std::size_t k = 0; k < used; ++k) chunk[place + k] = static_cast<std::uint8_t>(chunk[place + k] + bytes[k]);
+        bytes = bytes.subspan(used);
+    }
+    raster(rebuilt(reader, reader.header(), chunks));
+}
+
+/// The bytes as a header: what is read is written the same again. And as that of a valid file.
+inline void raster_header(std::span<const std::uint8_t> bytes) {
+    const std::string text(bytes.begin(), bytes.end());
+    if (const auto header = read_header(text); header.ok()) {
+        const std::string once = write_header(*header);
+        const auto again = read_header(once);
+        require(again.ok() && write_header(*again) == once);
+    }
+    for (const auto& file : valid_rasters()) {
+        const auto reader = *ContainerReader::open(file, file.size());
+        raster(rebuilt(reader, text, chunks_of(reader)));
+    }
 }
 
 }  // namespace relief::codec::fuzz

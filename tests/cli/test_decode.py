@@ -1,6 +1,6 @@
 """decode: levels, prefixes, windows, scales, and what surrounds the samples."""
 
-import itertools
+import json
 import os
 
 import numpy as np
@@ -138,25 +138,21 @@ class Levels(Case):
     def test_bound_holds_at_the_finest_level(self):
         values = hills(80, 90)
         dem = self.raster("dem.tif", values)
-        for scheme, order, more in (("box", 1, ()), ("box", 2, ()), ("barycentric", 2, ()),
-                                    ("box", 2, ("--map", "quasi-interpolate"))):
-            file, _ = self.encoded(dem, "--rms-error", 1, "--scheme", scheme, "--order", order,
-                                   *more)
-            levels = self.json("info", file)["levels"]
+        for scheme, more in (("box", ()), ("barycentric", ()),
+                             ("box", ("--map", "quasi-interpolate"))):
+            file, _ = self.encoded(dem, "--rms-error", 1, "--scheme", scheme, "--levels", 3, *more)
             chunks = self.json("info", file)["chunks"]
             ends = os.path.getsize(file) - np.cumsum([0] + [c["bytes"] for c in chunks][::-1])
-            for level in range(levels + 1):
+            for level in range(4):
                 # A prefix of whole levels, at full size.
                 surface, report = self.decoded(file, "--bytes", ends[level])
                 error = np.max(np.abs(surface - values))
                 self.assertEqual(report["finest_level"], level)
                 self.assertLessEqual(error, report["bound"] * (1 + 1e-12))
-                bound = self.json("decode", file, self.path("level.tif"), "--level",
-                                  level)["bound"]
-                self.assertEqual(bound, report["bound"])
-                coarse = samples(self.path("level.tif"))
+                coarse, coarse_report = self.decoded(file, "--level", level)
+                self.assertEqual(coarse_report["bound"], report["bound"])
                 self.assertLessEqual(np.max(np.abs(coarse - values[::2**level, ::2**level])),
-                                     bound * (1 + 1e-9))
+                                     report["bound"] * (1 + 1e-9))
 
     def test_holes_of_a_level(self):
         values = hills(41, 30).astype("float32")
@@ -179,14 +175,14 @@ class Prefixes(Case):
         valid = values != -1
         last = np.inf
         decoded = 0
-        for count in np.unique(np.geomspace(200, size + 100, 28).astype(int)):
+        for count in np.unique(np.geomspace(200, size + 100, 22).astype(int)):
             done = self.run_raw("decode", file, self.path("out.tif"), "--bytes", count, "--json")
             if done.returncode:
                 self.assertEqual(decoded, 0, "more bytes, less surface")
                 self.assertIn("bytes", done.stderr)
                 continue
             decoded += 1
-            surface, report = self.decoded(file, "--bytes", count)
+            surface, report = samples(self.path("out.tif")), json.loads(done.stdout)
             self.assertLessEqual(report["bytes_read"], count)
             self.assertTrue(np.array_equal(np.isnan(surface), ~valid))
             error = np.max(np.abs(surface - values)[valid])
@@ -194,7 +190,7 @@ class Prefixes(Case):
             rms = np.sqrt(np.mean(np.square(surface - values)[valid]))
             self.assertLessEqual(rms, last * (1 + 1e-12))
             last = rms
-        self.assertGreater(decoded, 15)
+        self.assertGreater(decoded, 10)
         self.assertLessEqual(error, 0.25)
 
     def test_what_is_left_of_a_cut_file(self):
@@ -296,8 +292,8 @@ class Determinism(Case):
         values = hills(300, 280)
         values[50:60] = np.nan
         dem = self.raster("dem.tif", values.astype("float32"), transform=NORTH_UP)
-        for goal, (scheme, order) in itertools.product(
-                (("--max-error", 0.5), ("--keep", 5)), (("box", 2), ("barycentric", 1))):
+        for goal, scheme, order in ((("--max-error", 0.5), "box", 2),
+                                    (("--keep", 5), "barycentric", 1)):
             contents = set()
             for threads in (1, 2, 5):
                 file, _ = self.encoded(dem, *goal, "--scheme", scheme, "--order", order,

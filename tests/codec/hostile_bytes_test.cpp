@@ -1,3 +1,5 @@
+#include <array>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "../fuzz/decoders.h"
@@ -10,10 +12,10 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 
 template <class Target>
-void run_mutations(const Bytes& seed, Target target) {
+void run_mutations(const Bytes& seed, Target target, int count = 3000) {
     target(seed);
     std::mt19937 engine(99);
-    for (int k = 0; k < 3000; ++k) {
+    for (int k = 0; k < count; ++k) {
         Bytes bytes = seed;
         for (std::uint32_t edits = 1 + engine() % 4; edits > 0 && !bytes.empty(); --edits) {
             const std::size_t at = engine() % bytes.size();
@@ -69,6 +71,95 @@ TEST(HostileBytes, Containers) {
     for (int k = 0; k < 3; ++k)
         ASSERT_TRUE(writer.add({}, Bytes(20, static_cast<std::uint8_t>(k))).ok());
     run_mutations(*writer.finish(), [](const Bytes& bytes) { fuzz::container(bytes); });
+}
+
+TEST(HostileBytes, RasterFiles) {
+    for (const Bytes& file : fuzz::valid_rasters())
+        run_mutations(file, [](const Bytes& bytes) { fuzz::raster(bytes); }, 500);
+}
+
+TEST(HostileBytes, RasterChunksWhoseChecksumsHold) {
+    for (std::uint8_t file = 0; file < fuzz::valid_rasters().size(); ++file) {
+        // One edit of three bytes in each of a few chunks; mutation moves and multiplies them.
+        Bytes edits = {file};
+        for (std::uint8_t chunk = 0; chunk < 4; ++chunk)
+            edits.insert(edits.end(), {chunk, static_cast<std::uint8_t>(7 * chunk), 0, 3, 1, 255, 16});
+        run_mutations(edits, [](const Bytes& bytes) { fuzz::raster_chunks(bytes); }, 400);
+    }
+}
+
+TEST(HostileBytes, RasterHeaders) {
+    const Bytes& file = fuzz::valid_rasters()[0];
+    const std::string header = ContainerReader::open(file, file.size())->header();
+    run_mutations(Bytes(header.begin(), header.end()), [](const Bytes& bytes) { fuzz::raster_header(bytes); }, 1000);
+}
+
+/// `member` of the header of a valid file replaced by JSON text.
+Result<RasterFile> with_member(const std::string& path, const std::string& value) {
+    const Bytes& file = fuzz::valid_rasters()[0];
+    const ContainerReader reader = *ContainerReader::open(file, file.size());
+    auto header = nlohmann::json::parse(reader.header());
+    header[nlohmann::json::json_pointer(path)] = nlohmann::json::parse(value);
+    return RasterFile::open(fuzz::rebuilt(reader, header.dump(), fuzz::chunks_of(reader)));
+}
+
+TEST(HostileBytes, HeaderMembersOutOfRangeAreNamed) {
+    ASSERT_TRUE(with_member("/rows", "13").ok());
+    for (const auto& [path, value, says] : std::vector<std::array<std::string, 3>>{
+             {"/rows", "0", "size"},
+             {"/rows", "-13", "size"},
+             {"/rows", "2147483648", "size"},
+             {"/rows", "18446744073709551615", "rows"},
+             {"/rows", "13.0", "rows"},
+             {"/rows", "2147483647", "claims 18 x 2147483647 samples"},
+             {"/cols", "100000000", "claims 100000000 x 13 samples"},
+             {"/components", "5", "components"},
+             {"/components", "4294967297", "components"},
+             {"/type", "\"int128\"", "int128"},
+             {"/mask", "false", "mask"},
+             {"/mask", "1", "mask"},
+             {"/scheme/levels", "4294967298", "levels"},
+             {"/scheme/levels", "-1", "levels"},
+             {"/scheme/levels", "60", "pyramid"},
+             {"/scheme/order", "9", "order"},
+             {"/scheme/name", "\"cubism\"", "newer version"},
+             {"/scheme", "[]", "scheme"},
+             {"/content", "\"mesh\"", "holds 'mesh'"},
+             {"/georeference", "{\"transform\": [1, 2, 3]}", "6 numbers"}}) {
+        const auto opened = with_member(path, value);
+        ASSERT_FALSE(opened.ok()) << path << " " << value;
+        EXPECT_NE(opened.error().text().find(says), std::string::npos)
+            << path << " " << value << ": " << opened.error().text();
+    }
+}
+
+TEST(HostileBytes, DeeplyNestedHeadersAreNoTrouble) {
+    const std::string deep(200000, '[');
+    const Bytes& file = fuzz::valid_rasters()[0];
+    const ContainerReader reader = *ContainerReader::open(file, file.size());
+    std::string header = reader.header();
+    header.insert(1, "\"scheme\":{\"deep\":" + deep + std::string(200000, ']') + "},");
+    fuzz::raster_header(Bytes(header.begin(), header.end()));
+}
+
+TEST(HostileBytes, ChunksThatStandTwiceOrNotAtAll) {
+    const Bytes& file = fuzz::valid_rasters()[3];
+    const ContainerReader reader = *ContainerReader::open(file, file.size());
+    const auto chunks = fuzz::chunks_of(reader);
+    for (std::size_t gone = 0; gone < chunks.size(); ++gone) {
+        ContainerWriter without(reader.header());
+        ContainerWriter twice(reader.header());
+        for (std::size_t k = 0; k < chunks.size(); ++k) {
+            if (k != gone) ASSERT_TRUE(without.add(reader.chunks()[k], chunks[k]).ok());
+            for (int copies = k == gone ? 2 : 1; copies > 0; --copies)
+                ASSERT_TRUE(twice.add(reader.chunks()[k], chunks[k]).ok());
+        }
+        EXPECT_FALSE(RasterFile::open(*twice.finish()).ok());
+        // Moves and corrections may be absent: the surface is another, but whole.
+        const ChunkKind kind = reader.chunks()[gone].kind;
+        const bool optional = kind == ChunkKind::Edits || kind == ChunkKind::Correction;
+        EXPECT_EQ(RasterFile::open(*without.finish()).ok(), optional) << static_cast<int>(kind);
+    }
 }
 
 }  // namespace
