@@ -134,8 +134,9 @@ inline void raster(std::span<const std::uint8_t> bytes) {
             const auto again = RasterFile::open(*moved);
             require(again.ok() && again->moves().size() == file->moves().size() + 1);
         }
+    } else if (const auto prefix = RasterFile::open_prefix(copy, bytes.size()); prefix.ok()) {
+        explore(*prefix);
     }
-    if (const auto prefix = RasterFile::open_prefix(copy, bytes.size()); prefix.ok()) explore(*prefix);
 }
 
 /// Small files of every kind: a mask, moves, corrections of integers and of floats, two schemes.

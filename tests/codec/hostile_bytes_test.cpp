@@ -109,7 +109,7 @@ TEST(HostileBytes, HeaderMembersOutOfRangeAreNamed) {
              {"/rows", "0", "size"},
              {"/rows", "-13", "size"},
              {"/rows", "2147483648", "size"},
-             {"/rows", "18446744073709551615", "rows"},
+             {"/rows", "18446744073709551615", "size"},
              {"/rows", "13.0", "rows"},
              {"/rows", "2147483647", "claims 18 x 2147483647 samples"},
              {"/cols", "100000000", "claims 100000000 x 13 samples"},
@@ -150,7 +150,9 @@ TEST(HostileBytes, ChunksThatStandTwiceOrNotAtAll) {
         ContainerWriter without(reader.header());
         ContainerWriter twice(reader.header());
         for (std::size_t k = 0; k < chunks.size(); ++k) {
-            if (k != gone) ASSERT_TRUE(without.add(reader.chunks()[k], chunks[k]).ok());
+            if (k != gone) {
+                ASSERT_TRUE(without.add(reader.chunks()[k], chunks[k]).ok());
+            }
             for (int copies = k == gone ? 2 : 1; copies > 0; --copies)
                 ASSERT_TRUE(twice.add(reader.chunks()[k], chunks[k]).ok());
         }

@@ -28,8 +28,8 @@ struct Goal {
 };
 
 struct EncodeOptions {
-    multires::SchemeSpec spec;
-    Goal goal;
+    multires::SchemeSpec spec = {};
+    Goal goal = {};
     Effort effort = Effort::Refit;
     Progress progress = {};
 };
