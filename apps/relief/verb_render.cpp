@@ -28,9 +28,13 @@ struct Render {
     bool multidirectional = false;
 };
 
-io::Mask mask_of(const Raster& raster) { return raster.mask.empty() ? io::Mask{} : raster.mask.view(); }
+io::Mask mask_of(const Raster& raster) {
+    return raster.mask.empty() ? io::Mask{} : raster.mask.view();
+}
 
-bool is_parametric(const Raster& raster) { return raster.planes.size() == 3; }
+bool is_parametric(const Raster& raster) {
+    return raster.planes.size() == 3;
+}
 
 int picture_width(const Render& options, const Raster& raster) {
     if (options.width > 0) return options.width;
@@ -46,34 +50,39 @@ io::LightOptions light_of(const Render& options) {
 
 /// A three-band raster as the surface in space it is, with its grid lines.
 io::Image draw_parametric(const Raster& raster, int width) {
-    const io::Sheet sheet = io::point_sheet(raster.planes[0].view(), raster.planes[1].view(), raster.planes[2].view(), mask_of(raster));
+    const io::Sheet sheet = io::point_sheet(raster.planes[0].view(), raster.planes[1].view(),
+                                            raster.planes[2].view(), mask_of(raster));
     io::SheetStyle style;
     style.fill = io::SheetFill::Paper;
-    style.line_every = static_cast<int>(std::max<std::int64_t>(1, std::max(raster.rows, raster.cols) / 60));
+    style.line_every =
+        static_cast<int>(std::max<std::int64_t>(1, std::max(raster.rows, raster.cols) / 60));
     style.line_opacity = 0.5;
     const io::Layer layer{&sheet, style};
     return io::draw_sheets({&layer, 1}, {.width = width});
 }
 
 /// The surface with the control net of a level over it.
-Result<io::Image> draw_net(const Render& options, const codec::RasterFile& file, int level, const io::ViewOptions& view) {
+Result<io::Image> draw_net(const Render& options, const codec::RasterFile& file, int level,
+                           const io::ViewOptions& view) {
     const auto& layout = file.layout();
     const int surface_level = std::max(0, level - 1);
     RELIEF_TRY(const Raster surface, file.decode(surface_level));
     RELIEF_TRY(const auto net, file.coefficients(level));
     const io::CellSize cell = io::cell_size_metres(file.description().geo, layout.rows);
-    const auto sheet_of = [&](io::Heights z, io::Mask mask, int at, const LatticeBox& box, double exaggeration) {
+    const auto sheet_of = [&](io::Heights z, io::Mask mask, int at, const LatticeBox& box,
+                              double exaggeration) {
         const double step = std::ldexp(1.0, at);
         return io::height_sheet(z, mask, {cell.x * step, cell.y * step}, exaggeration,
-                                {static_cast<double>(box.col0) * step * cell.x, static_cast<double>(box.row0) * step * cell.y});
+                                {static_cast<double>(box.col0) * step * cell.x,
+                                 static_cast<double>(box.row0) * step * cell.y});
     };
     const double coarse = std::ldexp(1.0, surface_level);
     const double exaggeration =
-        options.exaggeration > 0
-            ? options.exaggeration
-            : io::auto_exaggeration(surface.planes[0].view(), mask_of(surface), {cell.x * coarse, cell.y * coarse});
-    const io::Sheet ground =
-        sheet_of(surface.planes[0].view(), mask_of(surface), surface_level, {0, 0, 0, 0}, exaggeration);
+        options.exaggeration > 0 ? options.exaggeration
+                                 : io::auto_exaggeration(surface.planes[0].view(), mask_of(surface),
+                                                         {cell.x * coarse, cell.y * coarse});
+    const io::Sheet ground = sheet_of(surface.planes[0].view(), mask_of(surface), surface_level,
+                                      {0, 0, 0, 0}, exaggeration);
     const io::Sheet lines = sheet_of(net.planes[0].view(), {}, level, net.box, exaggeration);
     io::SheetStyle ground_style;
     ground_style.fill = io::SheetFill::ByHeight;
@@ -88,7 +97,8 @@ Result<io::Image> draw_net(const Render& options, const codec::RasterFile& file,
 
 Result<io::Image> draw(const Render& options, const Raster& raster, const Globals& globals) {
     if (raster.valid_count() == 0)
-        return Error{ErrorCode::BadInput, "no sample is valid: there is nothing to draw", options.in};
+        return Error{ErrorCode::BadInput, "no sample is valid: there is nothing to draw",
+                     options.in};
     const int width = picture_width(options, raster);
     const io::CellSize cell = io::cell_size_metres(raster.geo, raster.rows);
     const io::PictureOptions picture{.light = light_of(options), .width = width};
@@ -103,7 +113,8 @@ Result<io::Image> draw(const Render& options, const Raster& raster, const Global
         RELIEF_TRY(const Raster reference, read_any_raster(options.reference, globals));
         if (reference.rows != raster.rows || reference.cols != raster.cols)
             return Error{ErrorCode::BadInput,
-                         fmt::format("is {} x {}, the surface {} x {}", reference.cols, reference.rows, raster.cols, raster.rows),
+                         fmt::format("is {} x {}, the surface {} x {}", reference.cols,
+                                     reference.rows, raster.cols, raster.rows),
                          options.reference};
         return io::error_map(z, reference.planes.back().view(), mask_of(raster), cell,
                              {.scale = options.scale, .unit = raster.unit, .picture = picture});
@@ -111,7 +122,8 @@ Result<io::Image> draw(const Render& options, const Raster& raster, const Global
     if (options.style == "colour") return io::colour_by_height(z, mask_of(raster), cell, picture);
     if (options.style == "wire") {
         if (is_parametric(raster)) return draw_parametric(raster, width);
-        return io::wireframe(z, mask_of(raster), cell, {.width = width, .light = light_of(options)});
+        return io::wireframe(z, mask_of(raster), cell,
+                             {.width = width, .light = light_of(options)});
     }
     return io::hillshade(z, mask_of(raster), cell, picture);
 }
@@ -126,7 +138,8 @@ Result<Outcome> run(const Render& options, const Globals& globals) {
         if (*options.level > file.layout().levels()) return file.decode(*options.level).error();
         if (options.style == "wire" && file.layout().components == 1) {
             const int width = options.width > 0 ? options.width : 1200;
-            RELIEF_TRY(image, draw_net(options, file, *options.level, {.width = width, .light = light_of(options)}));
+            RELIEF_TRY(image, draw_net(options, file, *options.level,
+                                       {.width = width, .light = light_of(options)}));
         } else {
             RELIEF_TRY(const Raster raster, file.decode(*options.level));
             RELIEF_TRY(image, draw(options, raster, globals));
@@ -146,25 +159,37 @@ Result<Outcome> run(const Render& options, const Globals& globals) {
 
 void add_render(Program& program) {
     auto options = std::make_shared<Render>();
-    CLI::App* verb = add_verb(program, "render", "Draw a raster or a .relief file as a PNG picture, without a screen.",
-                              "  relief render dem.relief hills.png --width 1200\n"
-                              "  relief render dem.relief error.png --style error --reference dem.tif\n"
-                              "  relief render dem.relief net.png --style wire --level 4",
-                              [options, &program] { return run(*options, program.globals); });
-    verb->add_option("IN", options->in, "a raster or a .relief file; three bands are drawn as a surface in space by wire")
+    CLI::App* verb = add_verb(
+        program, "render", "Draw a raster or a .relief file as a PNG picture, without a screen.",
+        "  relief render dem.relief hills.png --width 1200\n"
+        "  relief render dem.relief error.png --style error --reference dem.tif\n"
+        "  relief render dem.relief net.png --style wire --level 4",
+        [options, &program] { return run(*options, program.globals); });
+    verb->add_option(
+            "IN", options->in,
+            "a raster or a .relief file; three bands are drawn as a surface in space by wire")
         ->required();
     verb->add_option("OUT", options->out, "the .png file")->required();
-    verb->add_option("--width", options->width, "pixels across, error at least 180; default: the raster's columns, at least 800")
+    verb->add_option(
+            "--width", options->width,
+            "pixels across, error at least 180; default: the raster's columns, at least 800")
         ->check(CLI::Range(16, 16384));
     verb->add_option("--style", options->style, "hillshade (default), colour, wire, error")
         ->check(CLI::IsMember({"hillshade", "colour", "wire", "error"}));
-    verb->add_option("--reference", options->reference, "what the error is measured against (error)");
-    verb->add_option("--drape", options->drape, "a PNG laid over the ground, stretched to the raster's extent");
-    verb->add_option("--level", options->level, "draw this level of a .relief file; with wire its control net");
-    verb->add_option("--scale", options->scale, "difference at the ends of the colours (error); default: the largest");
-    verb->add_option("--exaggeration", options->exaggeration, "vertical factor; default: from the mean slope");
-    verb->add_option("--azimuth", options->azimuth, "of the light, degrees clockwise from north (default 315)");
-    verb->add_option("--altitude", options->altitude, "of the light, degrees above the horizon (default 45)");
+    verb->add_option("--reference", options->reference,
+                     "what the error is measured against (error)");
+    verb->add_option("--drape", options->drape,
+                     "a PNG laid over the ground, stretched to the raster's extent");
+    verb->add_option("--level", options->level,
+                     "draw this level of a .relief file; with wire its control net");
+    verb->add_option("--scale", options->scale,
+                     "difference at the ends of the colours (error); default: the largest");
+    verb->add_option("--exaggeration", options->exaggeration,
+                     "vertical factor; default: from the mean slope");
+    verb->add_option("--azimuth", options->azimuth,
+                     "of the light, degrees clockwise from north (default 315)");
+    verb->add_option("--altitude", options->altitude,
+                     "of the light, degrees above the horizon (default 45)");
     verb->add_flag("--multidirectional", options->multidirectional, "four lights instead of one");
 }
 

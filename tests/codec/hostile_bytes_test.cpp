@@ -75,7 +75,8 @@ TEST(HostileBytes, Containers) {
 
 TEST(HostileBytes, RasterFiles) {
     for (const Bytes& file : fuzz::valid_rasters())
-        run_mutations(file, [](const Bytes& bytes) { fuzz::raster(bytes); }, 500);
+        run_mutations(
+            file, [](const Bytes& bytes) { fuzz::raster(bytes); }, 500);
 }
 
 TEST(HostileBytes, RasterChunksWhoseChecksumsHold) {
@@ -83,15 +84,19 @@ TEST(HostileBytes, RasterChunksWhoseChecksumsHold) {
         // One edit of three bytes in each of a few chunks; mutation moves and multiplies them.
         Bytes edits = {file};
         for (std::uint8_t chunk = 0; chunk < 4; ++chunk)
-            edits.insert(edits.end(), {chunk, static_cast<std::uint8_t>(7 * chunk), 0, 3, 1, 255, 16});
-        run_mutations(edits, [](const Bytes& bytes) { fuzz::raster_chunks(bytes); }, 400);
+            edits.insert(edits.end(),
+                         {chunk, static_cast<std::uint8_t>(7 * chunk), 0, 3, 1, 255, 16});
+        run_mutations(
+            edits, [](const Bytes& bytes) { fuzz::raster_chunks(bytes); }, 400);
     }
 }
 
 TEST(HostileBytes, RasterHeaders) {
     const Bytes& file = fuzz::valid_rasters()[0];
     const std::string header = ContainerReader::open(file, file.size())->header();
-    run_mutations(Bytes(header.begin(), header.end()), [](const Bytes& bytes) { fuzz::raster_header(bytes); }, 1000);
+    run_mutations(
+        Bytes(header.begin(), header.end()), [](const Bytes& bytes) { fuzz::raster_header(bytes); },
+        1000);
 }
 
 /// `member` of the header of a valid file replaced by JSON text.
