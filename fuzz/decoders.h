@@ -134,8 +134,9 @@ inline void raster(std::span<const std::uint8_t> bytes) {
             const auto again = RasterFile::open(*moved);
             require(again.ok() && again->moves().size() == file->moves().size() + 1);
         }
+    } else if (const auto prefix = RasterFile::open_prefix(copy, bytes.size()); prefix.ok()) {
+        explore(*prefix);
     }
-    if (const auto prefix = RasterFile::open_prefix(copy, bytes.size()); prefix.ok()) explore(*prefix);
 }
 
 /// Small files of every kind: a mask, moves, corrections of integers and of floats, two schemes.
@@ -192,8 +193,8 @@ inline std::vector<std::vector<std::uint8_t>> chunks_of(const ContainerReader& r
     return chunks;
 }
 
-/// The first byte chooses a valid file. Then edits: chunk, place (2 bytes), count, and as many bytes
-/// that are added to those there; count 255 cuts the chunk off at the place instead.
+/// The first byte chooses a valid file. Then edits: chunk, place (2 bytes), count, and as many
+/// bytes that are added to those there; count 255 cuts the chunk off at the place instead.
 inline void raster_chunks(std::span<const std::uint8_t> bytes) {
     if (bytes.empty()) return;
     const auto& files = valid_rasters();
@@ -211,7 +212,8 @@ inline void raster_chunks(std::span<const std::uint8_t> bytes) {
         }
         const std::size_t used = std::min(count, bytes.size());
         if (chunk.size() < place + used) chunk.resize(place + used);
-        for (std::size_t k = 0; k < used; ++k) chunk[place + k] = static_cast<std::uint8_t>(chunk[place + k] + bytes[k]);
+        for (std::size_t k = 0; k < used; ++k)
+            chunk[place + k] = static_cast<std::uint8_t>(chunk[place + k] + bytes[k]);
         bytes = bytes.subspan(used);
     }
     raster(rebuilt(reader, reader.header(), chunks));

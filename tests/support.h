@@ -25,8 +25,9 @@ inline double rational(const nlohmann::json& value) {
     if (value.is_number()) return value.get<double>();
     const std::string text = value.get<std::string>();
     const std::size_t slash = text.find('/');
-    return slash == std::string::npos ? std::stod(text)
-                                      : std::stod(text.substr(0, slash)) / std::stod(text.substr(slash + 1));
+    return slash == std::string::npos
+               ? std::stod(text)
+               : std::stod(text.substr(0, slash)) / std::stod(text.substr(slash + 1));
 }
 
 template <class T = double>
@@ -34,7 +35,8 @@ Grid<T> grid_of(const nlohmann::json& rows) {
     Grid<T> grid(static_cast<std::int64_t>(rows.size()), static_cast<std::int64_t>(rows[0].size()));
     for (std::int64_t r = 0; r < grid.rows(); ++r)
         for (std::int64_t c = 0; c < grid.cols(); ++c)
-            grid(r, c) = static_cast<T>(rational(rows[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)]));
+            grid(r, c) = static_cast<T>(
+                rational(rows[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)]));
     return grid;
 }
 
@@ -68,7 +70,8 @@ double largest_difference(GridView<const T> a, GridView<const T> b) {
     double largest = 0;
     for (std::int64_t r = 0; r < a.rows; ++r)
         for (std::int64_t c = 0; c < a.cols; ++c) {
-            const double difference = std::abs(static_cast<double>(a(r, c)) - static_cast<double>(b(r, c)));
+            const double difference =
+                std::abs(static_cast<double>(a(r, c)) - static_cast<double>(b(r, c)));
             if (!(difference <= largest)) largest = difference;
         }
     return largest;
@@ -83,7 +86,8 @@ template <class T>
 double dot(GridView<const T> a, GridView<const T> b) {
     double sum = 0;
     for (std::int64_t r = 0; r < a.rows; ++r)
-        for (std::int64_t c = 0; c < a.cols; ++c) sum += static_cast<double>(a(r, c)) * static_cast<double>(b(r, c));
+        for (std::int64_t c = 0; c < a.cols; ++c)
+            sum += static_cast<double>(a(r, c)) * static_cast<double>(b(r, c));
     return sum;
 }
 

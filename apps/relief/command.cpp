@@ -21,20 +21,22 @@ namespace {
 std::atomic<bool> g_stop{false};
 
 double now() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
 }
 
 }  // namespace
 
-CLI::App* add_verb(Program& program, const std::string& name, const std::string& description, const std::string& examples,
-                   Run run) {
+CLI::App* add_verb(Program& program, const std::string& name, const std::string& description,
+                   const std::string& examples, Run run) {
     CLI::App* verb = program.app.add_subcommand(name, description);
     verb->footer("Examples:\n" + examples);
     Globals& globals = program.globals;
     verb->add_flag("--json", globals.json, "print one JSON object on standard output");
     verb->add_flag("-q,--quiet", globals.quiet, "print errors only");
     verb->add_flag("-v,--verbose", globals.verbose, "say more");
-    verb->add_option("--threads", globals.threads, "threads to use; 0: all cores (results do not depend on it)")
+    verb->add_option("--threads", globals.threads,
+                     "threads to use; 0: all cores (results do not depend on it)")
         ->check(CLI::Range(0, 1024));
     verb->callback([&program, name, run = std::move(run)] {
         program.verb = name;
@@ -62,7 +64,9 @@ Progress progress_bar(const Globals& globals, std::string what) {
     };
 }
 
-std::string shown(double value) { return fmt::format("{:.6g}", value); }
+std::string shown(double value) {
+    return fmt::format("{:.6g}", value);
+}
 
 std::string grouped(std::int64_t value) {
     std::string digits = std::to_string(value);
@@ -71,19 +75,27 @@ std::string grouped(std::int64_t value) {
     return digits;
 }
 
-Json json_number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json json_number(double value) {
+    return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
 
 Stopwatch::Stopwatch() : start_(now()) {}
-double Stopwatch::seconds() const { return now() - start_; }
+double Stopwatch::seconds() const {
+    return now() - start_;
+}
 
 void SchemeOptions::add_to(CLI::App& app) {
     app.add_option("--scheme", scheme, "box (default), barycentric");
-    app.add_option("--order", order, "1: linear C0, 2: quartic C2 (default); barycentric also 3: C4, 4: C6");
+    app.add_option("--order", order,
+                   "1: linear C0, 2: quartic C2 (default); barycentric also 3: C4, 4: C6");
     app.add_option("--levels", levels, "levels of detail; default: as many as the raster allows");
-    app.add_option("--family", family, "barycentric: compact (default), semi-orthogonal, truncated, truncated-literal");
-    app.add_option("--dual", dual, "barycentric compact: order of the dual spline; default: as --order");
-    app.add_option("--map", map,
-                   "how samples and surface meet: interpolate (default), quasi-interpolate, coefficients");
+    app.add_option("--family", family,
+                   "barycentric: compact (default), semi-orthogonal, truncated, truncated-literal");
+    app.add_option("--dual", dual,
+                   "barycentric compact: order of the dual spline; default: as --order");
+    app.add_option(
+        "--map", map,
+        "how samples and surface meet: interpolate (default), quasi-interpolate, coefficients");
 }
 
 Result<multires::SchemeSpec> SchemeOptions::spec() const {
@@ -103,12 +115,15 @@ Error located(Error error, const std::string& path) {
     return error;
 }
 
-Result<codec::RasterFile> open_relief(const std::string& path, std::optional<std::uint64_t> max_bytes) {
-    RELIEF_TRY(std::vector<std::uint8_t> bytes, io::read_file(path, max_bytes.value_or(UINT64_MAX)));
+Result<codec::RasterFile> open_relief(const std::string& path,
+                                      std::optional<std::uint64_t> max_bytes) {
+    RELIEF_TRY(std::vector<std::uint8_t> bytes,
+               io::read_file(path, max_bytes.value_or(UINT64_MAX)));
     std::error_code error;
     const std::uint64_t on_disk = std::filesystem::file_size(path, error);  // pipes have none
     const std::uint64_t size = error ? bytes.size() : on_disk;
-    auto file = max_bytes ? codec::RasterFile::open_prefix(std::move(bytes), size) : codec::RasterFile::open(std::move(bytes));
+    auto file = max_bytes ? codec::RasterFile::open_prefix(std::move(bytes), size)
+                          : codec::RasterFile::open(std::move(bytes));
     if (!file.ok()) return located(file.error(), path);
     return file;
 }
@@ -124,7 +139,8 @@ Result<Raster> read_any_raster(const std::string& path, const Globals& globals) 
         case io::FileKind::Mesh:
             return Error{ErrorCode::Unsupported, "is a mesh; this version reads rasters", path};
         case io::FileKind::Points:
-            return Error{ErrorCode::Unsupported, "holds scattered points; this version reads rasters", path};
+            return Error{ErrorCode::Unsupported,
+                         "holds scattered points; this version reads rasters", path};
         default:
             return io::read_raster(path, {.progress = progress_bar(globals, "reading")});
     }

@@ -24,7 +24,8 @@ struct Globals {
     int threads = 0;
 };
 
-/// What a verb has to say: as JSON for programs, as text for people. Text that is data (CSV) is printed with -q too.
+/// What a verb has to say: as JSON for programs, as text for people. Text that is data (CSV) is
+/// printed with -q too.
 struct Outcome {
     Json json = Json::object();
     std::string text;
@@ -41,9 +42,10 @@ struct Program {
     std::string verb;
 };
 
-/// Adds a verb with its description, an example for --help, and the common options; `run` is called after parsing.
-CLI::App* add_verb(Program& program, const std::string& name, const std::string& description, const std::string& examples,
-                   Run run);
+/// Adds a verb with its description, an example for --help, and the common options; `run` is called
+/// after parsing.
+CLI::App* add_verb(Program& program, const std::string& name, const std::string& description,
+                   const std::string& examples, Run run);
 
 void add_encode(Program& program);
 void add_decode(Program& program);
@@ -93,9 +95,11 @@ struct SchemeOptions {
 [[nodiscard]] Error located(Error error, const std::string& path);
 
 /// Opens a .relief file or its first `max_bytes` bytes.
-[[nodiscard]] Result<codec::RasterFile> open_relief(const std::string& path, std::optional<std::uint64_t> max_bytes = {});
+[[nodiscard]] Result<codec::RasterFile> open_relief(const std::string& path,
+                                                    std::optional<std::uint64_t> max_bytes = {});
 
-/// Reads a raster of any kind: .relief files are decoded. Meshes and points are refused with the reason.
+/// Reads a raster of any kind: .relief files are decoded. Meshes and points are refused with the
+/// reason.
 [[nodiscard]] Result<Raster> read_any_raster(const std::string& path, const Globals& globals);
 
 }  // namespace relief::cli

@@ -21,7 +21,8 @@ constexpr int kWrongUsage = 2;
 
 /// Standard streams may be closed or full: no exception for that, and false on standard output.
 bool put(std::FILE* stream, std::string_view text) {
-    return std::fwrite(text.data(), 1, text.size(), stream) == text.size() && std::fflush(stream) == 0;
+    return std::fwrite(text.data(), 1, text.size(), stream) == text.size() &&
+           std::fflush(stream) == 0;
 }
 
 /// One line on standard error; what libraries say may have more.
@@ -33,7 +34,9 @@ int fail(int status, const std::string& who, std::string message) {
 
 bool print(const Program& program, const Outcome& outcome) {
     if (program.globals.json)
-        return put(stdout, outcome.json.dump(-1, ' ', false, relief::cli::Json::error_handler_t::replace) + "\n");
+        return put(
+            stdout,
+            outcome.json.dump(-1, ' ', false, relief::cli::Json::error_handler_t::replace) + "\n");
     return (!outcome.text_is_data && program.globals.quiet) || put(stdout, outcome.text);
 }
 
@@ -42,10 +45,11 @@ int run(Program& program) {
     const std::string who = "relief " + program.verb;
     const auto outcome = program.chosen();
     if (!outcome.ok())
-        return fail(outcome.error().code == ErrorCode::InvalidArgument ? kWrongUsage : kBadData, who,
-                    outcome.error().text());
+        return fail(outcome.error().code == ErrorCode::InvalidArgument ? kWrongUsage : kBadData,
+                    who, outcome.error().text());
     if (print(program, *outcome)) return kDone;
-    return fail(kBadData, who, "standard output: can not be written; free some space or write elsewhere");
+    return fail(kBadData, who,
+                "standard output: can not be written; free some space or write elsewhere");
 }
 
 /// What was asked, as far as it was understood: "relief encode".
@@ -59,11 +63,15 @@ std::string called(const CLI::App& app) {
 int main(int argc, char** argv) {
     Program program;
     CLI::App& app = program.app;
-    app.description("relief: surfaces as multiresolution splines. Encode, decode, compare, evaluate, edit and draw.");
+    app.description(
+        "relief: surfaces as multiresolution splines. Encode, decode, compare, evaluate, edit and "
+        "draw.");
     app.name("relief");
     app.set_version_flag("--version", "relief " RELIEF_VERSION);
     app.require_subcommand(1);
-    app.footer("'relief VERB --help' explains a verb. Exit status: 0 done, 1 bad data or file, 2 wrong usage.");
+    app.footer(
+        "'relief VERB --help' explains a verb. Exit status: 0 done, 1 bad data or file, 2 wrong "
+        "usage.");
     relief::cli::add_encode(program);
     relief::cli::add_decode(program);
     relief::cli::add_info(program);
@@ -79,14 +87,17 @@ int main(int argc, char** argv) {
     } catch (const CLI::ParseError& error) {
         const std::string who = called(app);
         if (who == app.get_name() && argc > 1 && argv[1][0] != '-')
-            return fail(kWrongUsage, who, fmt::format("there is no verb '{}'; see '{} --help'", argv[1], who));
+            return fail(kWrongUsage, who,
+                        fmt::format("there is no verb '{}'; see '{} --help'", argv[1], who));
         return fail(kWrongUsage, who, fmt::format("{}; see '{} --help'", error.what(), who));
     }
     relief::cli::stop_on_interrupt();
-    std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of the write, not a death
+    std::signal(SIGXFSZ,
+                SIG_IGN);  // a file that may not grow is an error of the write, not a death
     try {
         return run(program);
     } catch (const std::bad_alloc&) {
-        return fail(kBadData, "relief " + program.verb, "not enough memory; cut the raster into parts");
+        return fail(kBadData, "relief " + program.verb,
+                    "not enough memory; cut the raster into parts");
     }
 }

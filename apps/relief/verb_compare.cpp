@@ -24,8 +24,10 @@ struct Compare {
 /// What the metadata of a decoded raster say of its origin; other programs' may say anything.
 std::optional<multires::SchemeSpec> scheme_in(const Raster& raster) {
     const auto item = [&](std::string_view key) {
-        const auto found = std::find_if(raster.metadata.begin(), raster.metadata.end(), [&](const auto& m) { return m.first == key; });
-        return found == raster.metadata.end() ? std::string_view() : std::string_view(found->second);
+        const auto found = std::find_if(raster.metadata.begin(), raster.metadata.end(),
+                                        [&](const auto& m) { return m.first == key; });
+        return found == raster.metadata.end() ? std::string_view()
+                                              : std::string_view(found->second);
     };
     const auto number = [](std::string_view text, int& value) {
         const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -37,14 +39,16 @@ std::optional<multires::SchemeSpec> scheme_in(const Raster& raster) {
     if (space == std::string_view::npos) return {};
     multires::SchemeSpec spec;
     const auto id = multires::scheme_from_name(name.substr(0, space));
-    if (!id.ok() || !number(name.substr(space + between.size()), spec.order) || !number(item("RELIEF_LEVELS"), spec.levels)) return {};
+    if (!id.ok() || !number(name.substr(space + between.size()), spec.order) ||
+        !number(item("RELIEF_LEVELS"), spec.levels))
+        return {};
     spec.id = *id;
     if (!multires::layout(spec, raster.rows, raster.cols, 1).ok()) return {};
     return spec;
 }
 
-/// Whose coarsest reconstruction is the base of energy_percent: what the options say, what B is or says of its origin,
-/// the default scheme with the three levels of the source paper.
+/// Whose coarsest reconstruction is the base of energy_percent: what the options say, what B is or
+/// says of its origin, the default scheme with the three levels of the source paper.
 Result<multires::SchemeSpec> energy_scheme(const Compare& options, const Raster& b) {
     multires::SchemeSpec spec;
     spec.levels = 3;
@@ -75,7 +79,8 @@ double diagonal_of(const Raster& raster, double range) {
 
 Result<Outcome> run(const Compare& options, const Globals& globals) {
     if (options.surface)
-        return Error{ErrorCode::InvalidArgument, "--surface compares meshes; rasters are compared sample by sample", ""};
+        return Error{ErrorCode::InvalidArgument,
+                     "--surface compares meshes; rasters are compared sample by sample", ""};
     RELIEF_TRY(const Raster a, read_any_raster(options.a, globals));
     RELIEF_TRY(const Raster b, read_any_raster(options.b, globals));
     auto measured = codec::measure(a, b);
@@ -106,10 +111,13 @@ Result<Outcome> run(const Compare& options, const Globals& globals) {
                         {"worst", Json{{"row", m.worst_row}, {"col", m.worst_col}}},
                         {"mask_differs", m.mask_differs}};
     outcome.text = fmt::format(
-        "{} samples: max error {}{} at row {}, column {}; rms error {}{}; PSNR {} dB; error energy {:.4g} %\n",
-        grouped(m.samples), shown(m.max_error), unit, m.worst_row, m.worst_col, shown(m.rms_error), unit,
-        std::isfinite(m.psnr_db) ? fmt::format("{:.2f}", m.psnr_db) : "infinite", percent);
-    if (m.mask_differs > 0) outcome.text += fmt::format("{} samples are a hole in one of them only\n", grouped(m.mask_differs));
+        "{} samples: max error {}{} at row {}, column {}; rms error {}{}; PSNR {} dB; error energy "
+        "{:.4g} %\n",
+        grouped(m.samples), shown(m.max_error), unit, m.worst_row, m.worst_col, shown(m.rms_error),
+        unit, std::isfinite(m.psnr_db) ? fmt::format("{:.2f}", m.psnr_db) : "infinite", percent);
+    if (m.mask_differs > 0)
+        outcome.text +=
+            fmt::format("{} samples are a hole in one of them only\n", grouped(m.mask_differs));
     return outcome;
 }
 
@@ -117,14 +125,16 @@ Result<Outcome> run(const Compare& options, const Globals& globals) {
 
 void add_compare(Program& program) {
     auto options = std::make_shared<Compare>();
-    CLI::App* verb = add_verb(program, "compare", "Measure how far B is from the reference A, sample by sample.",
-                              "  relief compare dem.tif decoded.tif\n  relief compare dem.tif dem.relief --json",
-                              [options, &program] { return run(*options, program.globals); });
+    CLI::App* verb =
+        add_verb(program, "compare", "Measure how far B is from the reference A, sample by sample.",
+                 "  relief compare dem.tif decoded.tif\n  relief compare dem.tif dem.relief --json",
+                 [options, &program] { return run(*options, program.globals); });
     verb->add_option("A", options->a, "the reference: a raster or a .relief file")->required();
     verb->add_option("B", options->b, "what is compared to it")->required();
     verb->add_flag("--surface", options->surface, "distance between surfaces (meshes)");
-    verb->add_option("--scheme", options->scheme,
-                     "scheme whose coarsest level is the base of energy_percent; default: that of B, else box");
+    verb->add_option(
+        "--scheme", options->scheme,
+        "scheme whose coarsest level is the base of energy_percent; default: that of B, else box");
     verb->add_option("--order", options->order, "its order");
     verb->add_option("--levels", options->levels, "its levels; default: those of B, else 3");
 }

@@ -20,10 +20,13 @@ struct Edit {
 };
 
 /// "INDEX:DX[,DY,DZ]", INDEX row-major in the control net of the level.
-Result<multires::Move> parse_move(const std::string& text, int level, const multires::PyramidLayout& layout) {
-    const Error wrong{ErrorCode::InvalidArgument, "--move takes INDEX:DX[,DY,DZ], not '" + text + "'", ""};
+Result<multires::Move> parse_move(const std::string& text, int level,
+                                  const multires::PyramidLayout& layout) {
+    const Error wrong{ErrorCode::InvalidArgument,
+                      "--move takes INDEX:DX[,DY,DZ], not '" + text + "'", ""};
     std::string spaced = text;
-    std::replace_if(spaced.begin(), spaced.end(), [](char c) { return c == ':' || c == ','; }, ' ');
+    std::replace_if(
+        spaced.begin(), spaced.end(), [](char c) { return c == ':' || c == ','; }, ' ');
     std::istringstream fields(spaced);
     fields.imbue(std::locale::classic());
     std::int64_t index = 0;
@@ -35,13 +38,17 @@ Result<multires::Move> parse_move(const std::string& text, int level, const mult
     if (count == 0 || !fields.eof()) return wrong;
     if (count > layout.components)
         return Error{ErrorCode::InvalidArgument,
-                     fmt::format("'{}' moves {} components, the surface has {}", text, count, layout.components), ""};
+                     fmt::format("'{}' moves {} components, the surface has {}", text, count,
+                                 layout.components),
+                     ""};
     const LatticeBox box = multires::scaling_box(layout, level);
     if (index < 0 || index >= box.count())
-        return Error{ErrorCode::InvalidArgument,
-                     fmt::format("index {} does not exist at level {}; the control net has {} x {}, indices 0 to {}", index,
-                                 level, box.cols, box.rows, box.count() - 1),
-                     ""};
+        return Error{
+            ErrorCode::InvalidArgument,
+            fmt::format(
+                "index {} does not exist at level {}; the control net has {} x {}, indices 0 to {}",
+                index, level, box.cols, box.rows, box.count() - 1),
+            ""};
     move.row = box.row0 + index / box.cols;
     move.col = box.col0 + index % box.cols;
     return move;
@@ -55,8 +62,11 @@ std::optional<std::int64_t> integer(const Json& item, const char* key) {
     return found->get<std::int64_t>();
 }
 
-Result<multires::Move> read_move(const Json& item, const multires::PyramidLayout& layout, const std::string& where) {
-    const auto wrong = [&](std::string what) { return Error{ErrorCode::BadInput, std::move(what), where}; };
+Result<multires::Move> read_move(const Json& item, const multires::PyramidLayout& layout,
+                                 const std::string& where) {
+    const auto wrong = [&](std::string what) {
+        return Error{ErrorCode::BadInput, std::move(what), where};
+    };
     const auto level = integer(item, "level");
     const auto index = integer(item, "index");
     const auto row = integer(item, "row");
@@ -65,11 +75,13 @@ Result<multires::Move> read_move(const Json& item, const multires::PyramidLayout
         return wrong("needs \"level\", \"index\" (or \"row\" and \"col\") and \"delta\"");
     multires::Move move;
     move.level = static_cast<int>(std::clamp<std::int64_t>(*level, -1, INT_MAX));
-    if (move.level < 0 || move.level > layout.levels()) return located(multires::check_move(layout, move).error(), where);
+    if (move.level < 0 || move.level > layout.levels())
+        return located(multires::check_move(layout, move).error(), where);
     const LatticeBox box = multires::scaling_box(layout, move.level);
     move.row = index ? (*index < 0 ? INT64_MAX : box.row0 + *index / box.cols) : *row;
     move.col = index ? box.col0 + *index % box.cols : *col;
-    if (auto exists = multires::check_move(layout, move); !exists.ok()) return located(exists.error(), where);
+    if (auto exists = multires::check_move(layout, move); !exists.ok())
+        return located(exists.error(), where);
 
     const Json& delta = item["delta"];
     const std::size_t count = delta.is_array() ? delta.size() : 1;
@@ -83,26 +95,34 @@ Result<multires::Move> read_move(const Json& item, const multires::PyramidLayout
     return move;
 }
 
-/// A list, or {"moves": list}, of {"level": K, "index": N or "row": I, "col": J, "delta": number or list}.
-Result<std::vector<multires::Move>> read_script(const std::string& path, const multires::PyramidLayout& layout) {
+/// A list, or {"moves": list}, of {"level": K, "index": N or "row": I, "col": J, "delta": number or
+/// list}.
+Result<std::vector<multires::Move>> read_script(const std::string& path,
+                                                const multires::PyramidLayout& layout) {
     RELIEF_TRY(const auto bytes, io::read_file(path));
     const Json script = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
     const Json& list = script.is_object() && script.contains("moves") ? script["moves"] : script;
-    if (!list.is_array()) return Error{ErrorCode::BadInput, "is not JSON with a list of moves", path};
+    if (!list.is_array())
+        return Error{ErrorCode::BadInput, "is not JSON with a list of moves", path};
     std::vector<multires::Move> moves;
     for (const Json& item : list) {
-        RELIEF_TRY(const auto move, read_move(item, layout, fmt::format("{}, move {}", path, moves.size() + 1)));
+        RELIEF_TRY(const auto move,
+                   read_move(item, layout, fmt::format("{}, move {}", path, moves.size() + 1)));
         moves.push_back(move);
     }
     return moves;
 }
 
-Result<std::vector<multires::Move>> moves_of(const Edit& options, const multires::PyramidLayout& layout) {
+Result<std::vector<multires::Move>> moves_of(const Edit& options,
+                                             const multires::PyramidLayout& layout) {
     std::vector<multires::Move> moves;
-    if (!options.moves.empty() && !options.level) return Error{ErrorCode::InvalidArgument, "--move needs --level K", ""};
+    if (!options.moves.empty() && !options.level)
+        return Error{ErrorCode::InvalidArgument, "--move needs --level K", ""};
     if (options.level.value_or(0) > layout.levels())
         return Error{ErrorCode::InvalidArgument,
-                     fmt::format("there is no level {}; the file has levels 0 to {}", *options.level, layout.levels()), ""};
+                     fmt::format("there is no level {}; the file has levels 0 to {}",
+                                 *options.level, layout.levels()),
+                     ""};
     for (const std::string& text : options.moves) {
         RELIEF_TRY(const auto move, parse_move(text, *options.level, layout));
         moves.push_back(move);
@@ -111,7 +131,8 @@ Result<std::vector<multires::Move>> moves_of(const Edit& options, const multires
         RELIEF_TRY(const auto more, read_script(options.script, layout));
         moves.insert(moves.end(), more.begin(), more.end());
     }
-    if (moves.empty()) return Error{ErrorCode::InvalidArgument, "nothing to do; give --move or --script", ""};
+    if (moves.empty())
+        return Error{ErrorCode::InvalidArgument, "nothing to do; give --move or --script", ""};
     return moves;
 }
 
@@ -126,21 +147,27 @@ Result<Outcome> run(const Edit& options) {
     if (!edited.ok()) return located(edited.error(), options.in);
     RELIEF_CHECK(io::write_file_atomically(options.out, *edited));
 
-    const auto field = multires::samples_of(layout, multires::displacement<double>(layout, moves, 0), 0);
+    const auto field =
+        multires::samples_of(layout, multires::displacement<double>(layout, moves, 0), 0);
     std::int64_t touched = 0;
     for (std::int64_t r = 0; r < layout.rows; ++r)
         for (std::int64_t c = 0; c < layout.cols; ++c)
-            touched += std::any_of(field.begin(), field.end(), [&](const auto& plane) { return plane(r, c) != 0; });
+            touched += std::any_of(field.begin(), field.end(),
+                                   [&](const auto& plane) { return plane(r, c) != 0; });
     const LatticeBox box = multires::touched_box(layout, moves);
     Outcome outcome;
-    outcome.json = Json{{"moved", moves.size()},
-                        {"touched", touched},
-                        {"bounds", Json{{"col", box.col0}, {"row", box.row0}, {"width", box.cols}, {"height", box.rows}}},
-                        {"edits", file.moves().size() + moves.size()},
-                        {"bytes", edited->size()}};
-    outcome.text = fmt::format("{}: {} control coefficients moved, {} samples touched in columns {} to {}, rows {} to {}\n",
-                               options.out, moves.size(), grouped(touched), box.col0, box.col0 + box.cols - 1, box.row0,
-                               box.row0 + box.rows - 1);
+    outcome.json = Json{
+        {"moved", moves.size()},
+        {"touched", touched},
+        {"bounds",
+         Json{{"col", box.col0}, {"row", box.row0}, {"width", box.cols}, {"height", box.rows}}},
+        {"edits", file.moves().size() + moves.size()},
+        {"bytes", edited->size()}};
+    outcome.text = fmt::format(
+        "{}: {} control coefficients moved, {} samples touched in columns {} to {}, rows {} to "
+        "{}\n",
+        options.out, moves.size(), grouped(touched), box.col0, box.col0 + box.cols - 1, box.row0,
+        box.row0 + box.rows - 1);
     return outcome;
 }
 
@@ -148,22 +175,26 @@ Result<Outcome> run(const Edit& options) {
 
 void add_edit(Program& program) {
     auto options = std::make_shared<Edit>();
-    CLI::App* verb = add_verb(program, "edit",
-                              "Move control coefficients of any level; the details follow. The moves are kept as a layer of "
-                              "the file: the coded data stays as it is.",
-                              "  relief edit dem.relief hill.relief --level 3 --move 1250:80\n"
-                              "  relief edit face.relief face2.relief --level 2 --move 310:0,0,4.5 --move 311:0,0,4\n"
-                              "  relief edit dem.relief out.relief --script moves.json\n"
-                              "INDEX counts the control net of the level row by row; 'relief info' gives its size.",
-                              [options] { return run(*options); });
+    CLI::App* verb = add_verb(
+        program, "edit",
+        "Move control coefficients of any level; the details follow. The moves are kept as a layer "
+        "of "
+        "the file: the coded data stays as it is.",
+        "  relief edit dem.relief hill.relief --level 3 --move 1250:80\n"
+        "  relief edit face.relief face2.relief --level 2 --move 310:0,0,4.5 --move 311:0,0,4\n"
+        "  relief edit dem.relief out.relief --script moves.json\n"
+        "INDEX counts the control net of the level row by row; 'relief info' gives its size.",
+        [options] { return run(*options); });
     verb->add_option("IN", options->in, "the .relief file")->required();
     verb->add_option("OUT", options->out, "the edited .relief file")->required();
-    verb->add_option("--level", options->level, "level of the control net; 0 is the finest")->check(CLI::Range(0, 64));
+    verb->add_option("--level", options->level, "level of the control net; 0 is the finest")
+        ->check(CLI::Range(0, 64));
     verb->add_option("--move", options->moves, "INDEX:DX[,DY,DZ], in data units; repeatable")
         ->take_all()
         ->allow_extra_args(false);
     verb->add_option("--script", options->script,
-                     "JSON: [{\"level\": 3, \"row\": 10, \"col\": 12, \"delta\": [80]}, ...]; \"index\" instead of row and col");
+                     "JSON: [{\"level\": 3, \"row\": 10, \"col\": 12, \"delta\": [80]}, ...]; "
+                     "\"index\" instead of row and col");
 }
 
 }  // namespace relief::cli

@@ -26,17 +26,20 @@ Result<codec::Goal> goal_of(const Encode& options) {
     return codec::Goal{Kind::Lossless, 0};
 }
 
-std::string text_of(const Encode& options, const codec::EncodeReport& report, const Raster& raster) {
+std::string text_of(const Encode& options, const codec::EncodeReport& report,
+                    const Raster& raster) {
     const std::string unit = raster.unit.empty() ? "" : " " + raster.unit;
     std::string text = fmt::format(
         "{}: {} x {} samples -> {} bytes, {:.4g} bits a sample\n"
         "scheme {} order {}, {} levels, {} of {} coefficients kept\n"
         "max error {}{}, rms error {}{}, error energy {:.4g} %\n",
-        options.out, raster.cols, raster.rows, grouped(static_cast<std::int64_t>(report.bytes)), report.bits_per_sample,
-        multires::scheme_name(report.spec.id), report.spec.order, report.spec.levels, grouped(report.kept),
-        grouped(report.coefficients), shown(report.max_error), unit, shown(report.rms_error), unit, report.energy_percent);
+        options.out, raster.cols, raster.rows, grouped(static_cast<std::int64_t>(report.bytes)),
+        report.bits_per_sample, multires::scheme_name(report.spec.id), report.spec.order,
+        report.spec.levels, grouped(report.kept), grouped(report.coefficients),
+        shown(report.max_error), unit, shown(report.rms_error), unit, report.energy_percent);
     if (options.max_error)
-        text += fmt::format("bound {}{} verified at every valid sample\n", shown(report.bound), unit);
+        text +=
+            fmt::format("bound {}{} verified at every valid sample\n", shown(report.bound), unit);
     return text;
 }
 
@@ -78,25 +81,32 @@ Result<Outcome> run(const Encode& options, const Globals& globals) {
 
 void add_encode(Program& program) {
     auto options = std::make_shared<Encode>();
-    CLI::App* verb = add_verb(program, "encode", "Turn a raster into a .relief file: analyse, choose coefficients, code.",
-                              "  relief encode dem.tif dem.relief --max-error 0.5\n"
-                              "  relief encode dem.tif dem.relief --rms-error 1 --scheme barycentric --order 2\n"
-                              "  relief encode dem.tif small.relief --bytes 20000 --json",
-                              [options, &program] { return run(*options, program.globals); });
-    verb->add_option("IN", options->in, "a raster of any format GDAL reads, 1 to 4 bands")->required();
+    CLI::App* verb = add_verb(
+        program, "encode", "Turn a raster into a .relief file: analyse, choose coefficients, code.",
+        "  relief encode dem.tif dem.relief --max-error 0.5\n"
+        "  relief encode dem.tif dem.relief --rms-error 1 --scheme barycentric --order 2\n"
+        "  relief encode dem.tif small.relief --bytes 20000 --json",
+        [options, &program] { return run(*options, program.globals); });
+    verb->add_option("IN", options->in, "a raster of any format GDAL reads, 1 to 4 bands")
+        ->required();
     verb->add_option("OUT", options->out, "the .relief file")->required();
     options->scheme.add_to(*verb);
-    CLI::Option_group* goal = verb->add_option_group("Goal", "one of these; without one the file is lossless");
-    goal->add_option("--max-error", options->max_error, "largest error of any sample, in data units; verified");
-    goal->add_option("--rms-error", options->rms_error, "largest root mean square error, in data units");
-    goal->add_option("--keep", options->keep, "only threshold: keep this many coefficients, in per cent of the samples");
+    CLI::Option_group* goal =
+        verb->add_option_group("Goal", "one of these; without one the file is lossless");
+    goal->add_option("--max-error", options->max_error,
+                     "largest error of any sample, in data units; verified");
+    goal->add_option("--rms-error", options->rms_error,
+                     "largest root mean square error, in data units");
+    goal->add_option("--keep", options->keep,
+                     "only threshold: keep this many coefficients, in per cent of the samples");
     goal->add_option("--bytes", options->bytes, "largest size of the file");
     goal->add_flag("--lossless", options->lossless, "every sample exactly (default)");
     goal->require_option(0, 1);
     verb->add_option("--effort", options->effort,
                      "0: weighted selection, 1: and least squares (default), 2: and reselection")
         ->check(CLI::Range(0, 2));
-    verb->add_option("--profile", options->profile, "dense (default); fast is accepted and coded as dense for now")
+    verb->add_option("--profile", options->profile,
+                     "dense (default); fast is accepted and coded as dense for now")
         ->check(CLI::IsMember({"fast", "dense"}));
 }
 

@@ -38,7 +38,8 @@ bool parse_number(std::string_view field, double& value) {
     return error == std::errc() && end == field.data() + field.size() && std::isfinite(value);
 }
 
-/// The first two fields of a line, separated by the first of ; tab , blank that is in it; further ones are ignored.
+/// The first two fields of a line, separated by the first of ; tab , blank that is in it; further
+/// ones are ignored.
 bool parse_point(std::string_view line, Point& point) {
     for (const char separator : {';', '\t', ',', ' '}) {
         const std::size_t first = line.find_first_not_of(' ');
@@ -63,7 +64,8 @@ Result<std::vector<Point>> read_points(const Eval& options) {
     for (const std::string& text : options.at) {
         Point point;
         if (!parse_point(text, point))
-            return Error{ErrorCode::InvalidArgument, "--at takes X,Y in data units, not '" + text + "'", ""};
+            return Error{ErrorCode::InvalidArgument,
+                         "--at takes X,Y in data units, not '" + text + "'", ""};
         points.push_back(point);
     }
     if (options.points.empty()) return points;
@@ -79,9 +81,11 @@ Result<std::vector<Point>> read_points(const Eval& options) {
         if (parse_point(line, point)) {
             points.push_back(point);
         } else if (!is_heading(line, number)) {
-            return Error{ErrorCode::BadInput,
-                         fmt::format("does not begin with two numbers: '{}'; give X,Y with decimal points", line.substr(0, 60)),
-                         fmt::format("{}, line {}", options.points, number)};
+            return Error{
+                ErrorCode::BadInput,
+                fmt::format("does not begin with two numbers: '{}'; give X,Y with decimal points",
+                            line.substr(0, 60)),
+                fmt::format("{}, line {}", options.points, number)};
         }
     }
     return points;
@@ -90,12 +94,14 @@ Result<std::vector<Point>> read_points(const Eval& options) {
 /// Value, gradient (d/dx, d/dy) and Hessian (xx, xy, yy) of one component.
 using Jet = std::array<double, 6>;
 
-/// From a place in data units to lattice coordinates (i, j). Without a geotransform x is the column and y the row.
+/// From a place in data units to lattice coordinates (i, j). Without a geotransform x is the column
+/// and y the row.
 class PlaceMap {
   public:
     static Result<PlaceMap> create(const GeoReference& geo) {
         // Sample (i, j) has its centre at column j + 1/2, row i + 1/2 of the transform.
-        const std::array<double, 6> t = geo.transform.value_or(std::array<double, 6>{-0.5, 1, 0, -0.5, 0, 1});
+        const std::array<double, 6> t =
+            geo.transform.value_or(std::array<double, 6>{-0.5, 1, 0, -0.5, 0, 1});
         const double determinant = t[1] * t[5] - t[2] * t[4];
         PlaceMap map;
         map.x0_ = t[0] + 0.5 * t[1] + 0.5 * t[2];
@@ -104,8 +110,13 @@ class PlaceMap {
         map.jy_ = -t[2] / determinant;
         map.ix_ = -t[4] / determinant;
         map.iy_ = t[1] / determinant;
-        if (std::isfinite(map.jx_) && std::isfinite(map.jy_) && std::isfinite(map.ix_) && std::isfinite(map.iy_)) return map;
-        return Error{ErrorCode::BadInput, "its transform gives different samples the same place; correct it: gdal_edit.py -a_ullr", ""};
+        if (std::isfinite(map.jx_) && std::isfinite(map.jy_) && std::isfinite(map.ix_) &&
+            std::isfinite(map.iy_))
+            return map;
+        return Error{ErrorCode::BadInput,
+                     "its transform gives different samples the same place; correct it: "
+                     "gdal_edit.py -a_ullr",
+                     ""};
     }
 
     [[nodiscard]] double row(const Point& p) const { return ix_ * (p.x - x0_) + iy_ * (p.y - y0_); }
@@ -132,7 +143,8 @@ std::string heading(int components, int derivatives) {
     std::string line = "x,y";
     for (int c = 0; c < components; ++c)
         for (int k = 0; k < count; ++k)
-            line += fmt::format(",{}{}", names[static_cast<std::size_t>(k)], components > 1 ? std::to_string(c + 1) : "");
+            line += fmt::format(",{}{}", names[static_cast<std::size_t>(k)],
+                                components > 1 ? std::to_string(c + 1) : "");
     return line + "\n";
 }
 
@@ -143,7 +155,8 @@ struct LatticePoints {
     std::vector<std::uint8_t> inside;
 };
 
-LatticePoints locate(const std::vector<Point>& points, const PlaceMap& map, const codec::RasterFile& file) {
+LatticePoints locate(const std::vector<Point>& points, const PlaceMap& map,
+                     const codec::RasterFile& file) {
     // Places computed from sample centres may miss the border by rounding.
     const auto settled = [](double v, std::int64_t n) {
         const double last = static_cast<double>(n - 1);
@@ -154,8 +167,9 @@ LatticePoints locate(const std::vector<Point>& points, const PlaceMap& map, cons
     for (const Point& point : points) {
         const double i = settled(map.row(point), file.layout().rows);
         const double j = settled(map.col(point), file.layout().cols);
-        const bool inside = !std::isnan(i) && !std::isnan(j) &&
-                            (file.mask().empty() || file.mask()(std::llround(i), std::llround(j)) != 0);
+        const bool inside =
+            !std::isnan(i) && !std::isnan(j) &&
+            (file.mask().empty() || file.mask()(std::llround(i), std::llround(j)) != 0);
         found.i.push_back(inside ? i : 0);
         found.j.push_back(inside ? j : 0);
         found.inside.push_back(inside);
@@ -164,20 +178,23 @@ LatticePoints locate(const std::vector<Point>& points, const PlaceMap& map, cons
 }
 
 /// All derivatives of one component at all points, in data units.
-Result<std::vector<Jet>> jets_of(const Grid<double>& net, int order, int derivatives, const LatticePoints& at, const PlaceMap& map) {
+Result<std::vector<Jet>> jets_of(const Grid<double>& net, int order, int derivatives,
+                                 const LatticePoints& at, const PlaceMap& map) {
     RELIEF_TRY(const auto surface, spline::BoxSurface<double>::create(net.view(), order));
     const std::size_t n = at.i.size();
     std::array<std::vector<double>, 6> parts;
     for (auto& part : parts) part.resize(n);
-    RELIEF_CHECK(surface.evaluate(at.i, at.j, derivatives, {parts[0], parts[1], parts[2], parts[3], parts[4], parts[5]}));
+    RELIEF_CHECK(surface.evaluate(at.i, at.j, derivatives,
+                                  {parts[0], parts[1], parts[2], parts[3], parts[4], parts[5]}));
     std::vector<Jet> jets;
     for (std::size_t k = 0; k < n; ++k)
-        jets.push_back(map.to_data_units({parts[0][k], parts[1][k], parts[2][k], parts[3][k], parts[4][k], parts[5][k]}));
+        jets.push_back(map.to_data_units(
+            {parts[0][k], parts[1][k], parts[2][k], parts[3][k], parts[4][k], parts[5][k]}));
     return jets;
 }
 
-Result<std::vector<std::vector<Jet>>> evaluate(const codec::RasterFile& file, int derivatives, const LatticePoints& at,
-                                               const PlaceMap& map) {
+Result<std::vector<std::vector<Jet>>> evaluate(const codec::RasterFile& file, int derivatives,
+                                               const LatticePoints& at, const PlaceMap& map) {
     RELIEF_TRY(const auto net, file.control_net());
     std::vector<std::vector<Jet>> components;
     for (const Grid<double>& plane : net) {
@@ -190,7 +207,8 @@ Result<std::vector<std::vector<Jet>>> evaluate(const codec::RasterFile& file, in
 Result<Outcome> run(const Eval& options, const Globals& globals) {
     const Stopwatch watch;
     if (options.at.empty() && options.points.empty())
-        return Error{ErrorCode::InvalidArgument, "give places with --at X,Y or --points FILE.csv", ""};
+        return Error{ErrorCode::InvalidArgument, "give places with --at X,Y or --points FILE.csv",
+                     ""};
     RELIEF_TRY(const std::vector<Point> points, read_points(options));
     RELIEF_TRY(const codec::RasterFile file, open_relief(options.in));
     const auto map = PlaceMap::create(file.description().geo);
@@ -220,12 +238,14 @@ Result<Outcome> run(const Eval& options, const Globals& globals) {
     if (!options.output.empty()) {
         RELIEF_CHECK(io::write_file_atomically(
             options.output, {reinterpret_cast<const std::uint8_t*>(csv.data()), csv.size()}));
-        outcome.text = fmt::format("{}: {} points, {} outside\n", options.output, points.size(), outside);
+        outcome.text =
+            fmt::format("{}: {} points, {} outside\n", options.output, points.size(), outside);
     } else {
         outcome.text = std::move(csv);
         outcome.text_is_data = true;
     }
-    outcome.json = Json{{"points", points.size()}, {"outside", outside}, {"seconds", watch.seconds()}};
+    outcome.json =
+        Json{{"points", points.size()}, {"outside", outside}, {"seconds", watch.seconds()}};
     if (listed) outcome.json["values"] = std::move(values);
     return outcome;
 }
@@ -234,18 +254,22 @@ Result<Outcome> run(const Eval& options, const Globals& globals) {
 
 void add_eval(Program& program) {
     auto options = std::make_shared<Eval>();
-    CLI::App* verb = add_verb(program, "eval",
-                              "Evaluate the spline anywhere: value, gradient, Hessian in data units, as CSV. Places outside "
-                              "the surface or in a hole have empty fields.",
-                              "  relief eval dem.relief --at 500123.5,4123456 --derivatives 1\n"
-                              "  relief eval dem.relief --points places.csv --derivatives 2 > heights.csv",
-                              [options, &program] { return run(*options, program.globals); });
+    CLI::App* verb =
+        add_verb(program, "eval",
+                 "Evaluate the spline anywhere: value, gradient, Hessian in data units, as CSV. "
+                 "Places outside "
+                 "the surface or in a hole have empty fields.",
+                 "  relief eval dem.relief --at 500123.5,4123456 --derivatives 1\n"
+                 "  relief eval dem.relief --points places.csv --derivatives 2 > heights.csv",
+                 [options, &program] { return run(*options, program.globals); });
     verb->add_option("IN", options->in, "the .relief file")->required();
-    verb->add_option("--at", options->at, "X,Y in the raster's coordinates; column,row without a geotransform")
+    verb->add_option("--at", options->at,
+                     "X,Y in the raster's coordinates; column,row without a geotransform")
         ->take_all()
         ->allow_extra_args(false);
     verb->add_option("--points", options->points, "a file of X,Y lines; a heading line is skipped");
-    verb->add_option("--derivatives", options->derivatives, "0: value (default), 1: gradient too, 2: Hessian too")
+    verb->add_option("--derivatives", options->derivatives,
+                     "0: value (default), 1: gradient too, 2: Hessian too")
         ->check(CLI::Range(0, 2));
     verb->add_option("--output", options->output, "write the CSV here instead of standard output");
 }

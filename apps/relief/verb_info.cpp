@@ -85,30 +85,37 @@ Result<Outcome> info_of_relief(const std::string& path) {
                         {"crs", about.geo.crs_wkt},
                         {"extent", extent_of(about.geo, layout.rows, layout.cols)},
                         {"checksums_ok", file.checksums_ok()}};
-    outcome.text = fmt::format("{}: relief version {}, {} bytes, checksums {}\n", path, file.version(),
-                               grouped(static_cast<std::int64_t>(file.size())), file.checksums_ok() ? "hold" : "DO NOT HOLD");
-    outcome.text += fmt::format("raster {} x {}, {} component{}, {}{}\n", layout.cols, layout.rows, layout.components,
-                                layout.components == 1 ? "" : "s", sample_type_name(about.type),
-                                about.unit.empty() ? "" : " in " + about.unit);
-    outcome.text += fmt::format("scheme {} order {}, {} levels", multires::scheme_name(layout.spec.id), layout.spec.order,
-                                layout.levels());
-    outcome.text += bound ? fmt::format(", within {} of the original (rms {})\n", shown(*bound), shown(file.rms_error()))
-                          : fmt::format(", edited by {} move{}\n", file.moves().size(), file.moves().size() == 1 ? "" : "s");
+    outcome.text = fmt::format("{}: relief version {}, {} bytes, checksums {}\n", path,
+                               file.version(), grouped(static_cast<std::int64_t>(file.size())),
+                               file.checksums_ok() ? "hold" : "DO NOT HOLD");
+    outcome.text +=
+        fmt::format("raster {} x {}, {} component{}, {}{}\n", layout.cols, layout.rows,
+                    layout.components, layout.components == 1 ? "" : "s",
+                    sample_type_name(about.type), about.unit.empty() ? "" : " in " + about.unit);
+    outcome.text +=
+        fmt::format("scheme {} order {}, {} levels", multires::scheme_name(layout.spec.id),
+                    layout.spec.order, layout.levels());
+    outcome.text += bound ? fmt::format(", within {} of the original (rms {})\n", shown(*bound),
+                                        shown(file.rms_error()))
+                          : fmt::format(", edited by {} move{}\n", file.moves().size(),
+                                        file.moves().size() == 1 ? "" : "s");
     outcome.text += "level   control net      bytes to read   error at most\n";
     for (const Json& level : levels)
-        outcome.text += fmt::format("{:5}   {:>5} x {:<7} {:>14}   {}\n", level["level"].get<int>(),
-                                    level["control_cols"].get<std::int64_t>(), level["control_rows"].get<std::int64_t>(),
-                                    grouped(level["bytes"].get<std::int64_t>()),
-                                    level["bound"].is_null() ? "-" : shown(level["bound"].get<double>()));
+        outcome.text += fmt::format(
+            "{:5}   {:>5} x {:<7} {:>14}   {}\n", level["level"].get<int>(),
+            level["control_cols"].get<std::int64_t>(), level["control_rows"].get<std::int64_t>(),
+            grouped(level["bytes"].get<std::int64_t>()),
+            level["bound"].is_null() ? "-" : shown(level["bound"].get<double>()));
     return outcome;
 }
 
 Result<Outcome> info_of_raster(const std::string& path, const Globals& globals) {
     RELIEF_TRY(const Raster raster, read_any_raster(path, globals));
     Json bands = Json::array();
-    std::string text = fmt::format("{}: raster {} x {}, {}{}, {} of {} samples valid\n", path, raster.cols, raster.rows,
-                                   sample_type_name(raster.type), raster.unit.empty() ? "" : " in " + raster.unit,
-                                   grouped(raster.valid_count()), grouped(raster.rows * raster.cols));
+    std::string text = fmt::format(
+        "{}: raster {} x {}, {}{}, {} of {} samples valid\n", path, raster.cols, raster.rows,
+        sample_type_name(raster.type), raster.unit.empty() ? "" : " in " + raster.unit,
+        grouped(raster.valid_count()), grouped(raster.rows * raster.cols));
     for (std::size_t p = 0; p < raster.planes.size(); ++p) {
         double low = INFINITY;
         double high = -INFINITY;
@@ -119,8 +126,10 @@ Result<Outcome> info_of_raster(const std::string& path, const Globals& globals) 
                     high = std::max(high, raster.planes[p](r, c));
                 }
         const std::string name = p < raster.band_names.size() ? raster.band_names[p] : "";
-        bands.push_back(Json{{"name", name}, {"min", json_number(low)}, {"max", json_number(high)}});
-        text += fmt::format("band {}{}: {} .. {}\n", p + 1, name.empty() ? "" : " " + name, shown(low), shown(high));
+        bands.push_back(
+            Json{{"name", name}, {"min", json_number(low)}, {"max", json_number(high)}});
+        text += fmt::format("band {}{}: {} .. {}\n", p + 1, name.empty() ? "" : " " + name,
+                            shown(low), shown(high));
     }
     std::error_code ignored;
     Outcome outcome;
@@ -149,11 +158,13 @@ Result<Outcome> info_of_raster(const std::string& path, const Globals& globals) 
 
 void add_info(Program& program) {
     auto path = std::make_shared<std::string>();
-    CLI::App* verb = add_verb(program, "info", "Say what is in a file, level by level, and whether its checksums hold.",
-                              "  relief info dem.relief\n  relief info dem.tif --json", [path, &program]() -> Result<Outcome> {
-                                  if (io::recognise(*path) == io::FileKind::Relief) return info_of_relief(*path);
-                                  return info_of_raster(*path, program.globals);
-                              });
+    CLI::App* verb = add_verb(
+        program, "info", "Say what is in a file, level by level, and whether its checksums hold.",
+        "  relief info dem.relief\n  relief info dem.tif --json",
+        [path, &program]() -> Result<Outcome> {
+            if (io::recognise(*path) == io::FileKind::Relief) return info_of_relief(*path);
+            return info_of_raster(*path, program.globals);
+        });
     verb->add_option("IN", *path, "a .relief file or a raster")->required();
 }
 

@@ -105,7 +105,8 @@ io::Image draw_net(const Render& options, const Raster& surface,
 
 Result<io::Image> draw(const Render& options, const Raster& raster, const Globals& globals) {
     if (raster.valid_count() == 0)
-        return Error{ErrorCode::BadInput, "no sample is valid: there is nothing to draw", options.in};
+        return Error{ErrorCode::BadInput, "no sample is valid: there is nothing to draw",
+                     options.in};
     const int width = picture_width(options, raster);
     const io::CellSize cell = io::cell_size_metres(raster.geo, raster.rows);
     const io::PictureOptions picture{.light = light_of(options), .width = width};

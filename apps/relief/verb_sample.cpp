@@ -18,7 +18,8 @@ struct Sample {
 
 std::string known_names() {
     std::string known;
-    for (const std::string_view name : io::synthetic_names()) known += (known.empty() ? "" : ", ") + std::string(name);
+    for (const std::string_view name : io::synthetic_names())
+        known += (known.empty() ? "" : ", ") + std::string(name);
     return known;
 }
 
@@ -26,13 +27,15 @@ Result<Outcome> run(const Sample& options, const Globals& globals) {
     // "terrain" is what people ask for; ridged noise is what it is.
     const std::string name = options.name == "terrain" ? "ridged" : options.name;
     RELIEF_TRY(const Raster raster, io::synthetic(name, options.surface));
-    RELIEF_CHECK(io::write_raster(options.out, raster, {.progress = progress_bar(globals, "writing")}));
+    RELIEF_CHECK(
+        io::write_raster(options.out, raster, {.progress = progress_bar(globals, "writing")}));
     Outcome outcome;
     outcome.json = Json{{"samples", raster.rows * raster.cols},
                         {"rows", raster.rows},
                         {"cols", raster.cols},
                         {"components", raster.planes.size()}};
-    outcome.text = fmt::format("{}: {} x {} samples of {}\n", options.out, raster.cols, raster.rows, name);
+    outcome.text =
+        fmt::format("{}: {} x {} samples of {}\n", options.out, raster.cols, raster.rows, name);
     return outcome;
 }
 
@@ -40,7 +43,8 @@ Result<Outcome> run(const Sample& options, const Globals& globals) {
 
 void add_sample(Program& program) {
     auto options = std::make_shared<Sample>();
-    CLI::App* verb = add_verb(program, "sample", "Write a synthetic surface to try things on: " + known_names() + ".",
+    CLI::App* verb = add_verb(program, "sample",
+                              "Write a synthetic surface to try things on: " + known_names() + ".",
                               "  relief sample ridged mountains.tif --size 1025 --seed 7\n"
                               "  relief sample franke franke.tif --size 257",
                               [options, &program] { return run(*options, program.globals); });

@@ -17,8 +17,8 @@ namespace fs = std::filesystem;
 using relief::reproduce::Row;
 using relief::reproduce::Terrain;
 
-/// The rasters named on the command line, the demonstration's elevation model and those of RELIEF_DATA; a synthetic
-/// terrain always.
+/// The rasters named on the command line, the demonstration's elevation model and those of
+/// RELIEF_DATA; a synthetic terrain always.
 std::vector<Terrain> load_terrains(std::vector<std::string> paths, bool quiet) {
     std::vector<Terrain> terrains;
     terrains.push_back({"ridged 257 (synthetic)", relief::io::ridged(257, 1)});
@@ -30,7 +30,9 @@ std::vector<Terrain> load_terrains(std::vector<std::string> paths, bool quiet) {
         if (entry.path().extension() == ".tif") found.push_back(entry.path().string());
     std::sort(found.begin(), found.end());
     if (found.empty() && !quiet)
-        fmt::print(stderr, "relief-reproduce: no rasters in {}: those rows are skipped (set RELIEF_DATA)\n", folder.string());
+        fmt::print(stderr,
+                   "relief-reproduce: no rasters in {}: those rows are skipped (set RELIEF_DATA)\n",
+                   folder.string());
     paths.insert(paths.end(), found.begin(), found.end());
     for (const std::string& path : paths) {
         auto raster = relief::io::read_raster(path);
@@ -76,12 +78,13 @@ int main(int argc, char** argv) {
     }
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const Row& row : rows)
-        list.push_back({{"source", row.source},
-                        {"case", row.item},
-                        {"quantity", row.quantity},
-                        {"paper", row.paper ? nlohmann::ordered_json(*row.paper) : nullptr},
-                        {"ours", std::isfinite(row.ours) ? nlohmann::ordered_json(row.ours) : nullptr},
-                        {"note", row.note}});
+        list.push_back(
+            {{"source", row.source},
+             {"case", row.item},
+             {"quantity", row.quantity},
+             {"paper", row.paper ? nlohmann::ordered_json(*row.paper) : nullptr},
+             {"ours", std::isfinite(row.ours) ? nlohmann::ordered_json(row.ours) : nullptr},
+             {"note", row.note}});
     fmt::print("{}\n", list.dump(1));
     return 0;
 }

@@ -10,8 +10,8 @@
 namespace relief::reproduce {
 
 struct Row {
-    std::string source;           ///< which paper
-    std::string item;             ///< the case: an equation, figure or data set
+    std::string source;  ///< which paper
+    std::string item;    ///< the case: an equation, figure or data set
     std::string quantity;
     std::optional<double> paper;  ///< what the paper prints; none where it prints nothing
     double ours = 0;
@@ -23,7 +23,8 @@ struct Terrain {
     Raster raster;
 };
 
-/// Dreger, Gross, Schlegel: triangular B-spline surfaces by hexagonal filters (ETH Zurich, report 327, 1999).
+/// Dreger, Gross, Schlegel: triangular B-spline surfaces by hexagonal filters (ETH Zurich, report
+/// 327, 1999).
 [[nodiscard]] std::vector<Row> barycentric_rows(const std::vector<Terrain>& terrains);
 
 }  // namespace relief::reproduce

@@ -25,13 +25,16 @@ class ByteWriter {
         std::memcpy(&bits, &value, sizeof bits);
         u64(bits);
     }
-    void bytes(std::span<const std::uint8_t> more) { bytes_.insert(bytes_.end(), more.begin(), more.end()); }
+    void bytes(std::span<const std::uint8_t> more) {
+        bytes_.insert(bytes_.end(), more.begin(), more.end());
+    }
     [[nodiscard]] std::size_t size() const { return bytes_.size(); }
     [[nodiscard]] std::vector<std::uint8_t> take() { return std::move(bytes_); }
 
   private:
     void integer(std::uint64_t value, int count) {
-        for (int k = 0; k < count; ++k) bytes_.push_back(static_cast<std::uint8_t>(value >> (8 * k)));
+        for (int k = 0; k < count; ++k)
+            bytes_.push_back(static_cast<std::uint8_t>(value >> (8 * k)));
     }
     std::vector<std::uint8_t> bytes_;
 };
@@ -69,7 +72,8 @@ class ByteReader {
             return 0;
         }
         std::uint64_t value = 0;
-        for (std::size_t k = 0; k < count; ++k) value |= static_cast<std::uint64_t>(rest_[k]) << (8 * k);
+        for (std::size_t k = 0; k < count; ++k)
+            value |= static_cast<std::uint64_t>(rest_[k]) << (8 * k);
         rest_ = rest_.subspan(count);
         return value;
     }

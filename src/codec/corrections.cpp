@@ -65,7 +65,9 @@ std::int64_t digit_of(std::int64_t& rest) {
     std::int64_t digit = ((rest % base) + base) % base;
     if (digit >= base / 2) digit -= base;
     // Exact division; unsigned so that the extremes wrap instead of overflowing.
-    rest = static_cast<std::int64_t>(static_cast<std::uint64_t>(rest) - static_cast<std::uint64_t>(digit)) >> kDigitBits;
+    rest = static_cast<std::int64_t>(static_cast<std::uint64_t>(rest) -
+                                     static_cast<std::uint64_t>(digit)) >>
+           kDigitBits;
     return digit;
 }
 
@@ -83,7 +85,8 @@ std::int64_t choose_k(const Rule& rule, double surface, double value, double bou
     found = true;
     if (std::abs(rule.corrected(surface, 0) - value) <= bound) return 0;
     if (rule.ordered)
-        return static_cast<std::int64_t>(order_of(value, rule.type) - order_of(rule.base(surface), rule.type));
+        return static_cast<std::int64_t>(order_of(value, rule.type) -
+                                         order_of(rule.base(surface), rule.type));
     const double wanted = std::nearbyint((value - rule.base(surface)) / rule.step);
     if (std::abs(wanted) < 0x1p62) {
         const auto nearest = static_cast<std::int64_t>(wanted);
@@ -100,18 +103,22 @@ bool same_bits(double a, double b) {
 
 }  // namespace
 
-Corrections make_corrections(const Raster& original, const multires::Planes<double>& surface, double bound) {
+Corrections make_corrections(const Raster& original, const multires::Planes<double>& surface,
+                             double bound) {
     Corrections result;
     const bool integer = is_integer(original.type);
     result.ordered = !integer && bound == 0;
     // Just under two bounds, so that rounding in the last place does not break the bound.
-    result.step = integer ? 2 * std::floor(bound) + 1 : result.ordered ? 1 : 2 * bound * (1 - 0x1p-20);
+    result.step = integer          ? 2 * std::floor(bound) + 1
+                  : result.ordered ? 1
+                                   : 2 * bound * (1 - 0x1p-20);
     const Rule rule{result.ordered, result.step, original.type, original.nodata};
     const std::size_t components = surface.size();
     std::vector<Grid<std::int64_t>> chosen;
     for (std::size_t p = 0; p < components; ++p) {
         Grid<std::int64_t> ks(original.rows, original.cols);
-        std::vector<std::vector<Corrections::Repair>> repairs(static_cast<std::size_t>(original.rows));
+        std::vector<std::vector<Corrections::Repair>> repairs(
+            static_cast<std::size_t>(original.rows));
         parallel_for(0, original.rows, 32, [&](std::int64_t first, std::int64_t last) {
             for (std::int64_t r = first; r < last; ++r)
                 for (std::int64_t c = 0; c < original.cols; ++c) {
@@ -121,16 +128,20 @@ Corrections make_corrections(const Raster& original, const multires::Planes<doub
                     bool found = true;
                     std::int64_t k = choose_k(rule, surface[p](r, c), value, bound, found);
                     // Exact floats are exact in the sign of zero too.
-                    if (result.ordered && k == 0 && !same_bits(rule.corrected(surface[p](r, c), 0), value))
-                        k = static_cast<std::int64_t>(order_of(value, rule.type) -
-                                                      order_of(rule.base(surface[p](r, c)), rule.type));
+                    if (result.ordered && k == 0 &&
+                        !same_bits(rule.corrected(surface[p](r, c), 0), value))
+                        k = static_cast<std::int64_t>(
+                            order_of(value, rule.type) -
+                            order_of(rule.base(surface[p](r, c)), rule.type));
                     ks(r, c) = k;
                     if (!found)
                         repairs[static_cast<std::size_t>(r)].push_back(
-                            {static_cast<std::uint8_t>(p), static_cast<std::uint64_t>(r * original.cols + c), value});
+                            {static_cast<std::uint8_t>(p),
+                             static_cast<std::uint64_t>(r * original.cols + c), value});
                 }
         });
-        for (const auto& row : repairs) result.repairs.insert(result.repairs.end(), row.begin(), row.end());
+        for (const auto& row : repairs)
+            result.repairs.insert(result.repairs.end(), row.begin(), row.end());
         for (std::int64_t r = 0; r < original.rows; ++r)
             for (std::int64_t c = 0; c < original.cols; ++c) {
                 result.corrected += ks(r, c) != 0;
@@ -152,8 +163,8 @@ Corrections make_corrections(const Raster& original, const multires::Planes<doub
     return result;
 }
 
-void apply_corrections(const Corrections& corrections, SampleType type, std::optional<double> nodata,
-                       multires::Planes<double>& surface) {
+void apply_corrections(const Corrections& corrections, SampleType type,
+                       std::optional<double> nodata, multires::Planes<double>& surface) {
     const Rule rule{corrections.ordered, corrections.step, type, nodata};
     for (std::size_t p = 0; p < surface.size(); ++p) {
         Grid<double>& plane = surface[p];
@@ -164,9 +175,11 @@ void apply_corrections(const Corrections& corrections, SampleType type, std::opt
                     for (int d = corrections.digits - 1; d >= 0; --d)
                         k = (k << kDigitBits) +
                             static_cast<std::uint64_t>(static_cast<std::int64_t>(
-                                corrections.planes[p * static_cast<std::size_t>(corrections.digits) +
-                                                   static_cast<std::size_t>(d)](r, c)));
-                    if (k != 0) plane(r, c) = rule.corrected(plane(r, c), static_cast<std::int64_t>(k));
+                                corrections
+                                    .planes[p * static_cast<std::size_t>(corrections.digits) +
+                                            static_cast<std::size_t>(d)](r, c)));
+                    if (k != 0)
+                        plane(r, c) = rule.corrected(plane(r, c), static_cast<std::int64_t>(k));
                 }
         });
     }
@@ -191,14 +204,17 @@ std::vector<std::uint8_t> write_corrections(const Corrections& corrections) {
     std::vector<BandView> bands;
     for (const Grid<std::int32_t>& plane : corrections.planes)
         bands.push_back({{0, 0, plane.rows(), plane.cols()},
-                         {const_cast<std::int32_t*>(plane.row(0)), plane.rows(), plane.cols(), plane.stride()}});
+                         {const_cast<std::int32_t*>(plane.row(0)), plane.rows(), plane.cols(),
+                          plane.stride()}});
     out.bytes(encode_level(bands, {}));
     return out.take();
 }
 
-Result<Corrections> read_corrections(std::span<const std::uint8_t> bytes, std::int64_t rows, std::int64_t cols,
-                                     int components) {
-    const Error damaged{ErrorCode::BadFile, "the corrections are damaged; decode a coarser level instead", "correction chunk"};
+Result<Corrections> read_corrections(std::span<const std::uint8_t> bytes, std::int64_t rows,
+                                     std::int64_t cols, int components) {
+    const Error damaged{ErrorCode::BadFile,
+                        "the corrections are damaged; decode a coarser level instead",
+                        "correction chunk"};
     ByteReader in(bytes);
     Corrections result;
     const std::uint8_t mode = in.u8();
@@ -207,17 +223,20 @@ Result<Corrections> read_corrections(std::span<const std::uint8_t> bytes, std::i
     result.step = in.f64();
     const std::uint64_t repairs = in.u64();
     constexpr std::uint64_t repair_size = 17;
-    if (in.failed() || mode > 1 || result.digits < 1 || result.digits > kMostDigits || !std::isfinite(result.step) ||
-        repairs > in.rest().size() / repair_size)
+    if (in.failed() || mode > 1 || result.digits < 1 || result.digits > kMostDigits ||
+        !std::isfinite(result.step) || repairs > in.rest().size() / repair_size)
         return damaged;
     for (std::uint64_t k = 0; k < repairs; ++k) {
         Corrections::Repair repair{in.u8(), in.u64(), in.f64()};
-        if (repair.component >= components || repair.index >= static_cast<std::uint64_t>(rows * cols)) return damaged;
+        if (repair.component >= components ||
+            repair.index >= static_cast<std::uint64_t>(rows * cols))
+            return damaged;
         result.repairs.push_back(repair);
     }
     std::vector<BandView> bands;
     for (int k = 0; k < components * result.digits; ++k) result.planes.emplace_back(rows, cols);
-    for (Grid<std::int32_t>& plane : result.planes) bands.push_back({{0, 0, rows, cols}, plane.view()});
+    for (Grid<std::int32_t>& plane : result.planes)
+        bands.push_back({{0, 0, rows, cols}, plane.view()});
     RELIEF_CHECK(decode_level(in.rest(), bands, {}));
     return result;
 }

@@ -10,8 +10,9 @@
 /// The layer that turns a close surface into one within a bound, or into the exact samples.
 namespace relief::codec {
 
-/// A sample becomes stored(base + k * step), or, in ordered mode, the float that lies k places above the stored base; base
-/// is the surface, for integer types rounded first. k is written in balanced digits of 22 bits, lowest first.
+/// A sample becomes stored(base + k * step), or, in ordered mode, the float that lies k places
+/// above the stored base; base is the surface, for integer types rounded first. k is written in
+/// balanced digits of 22 bits, lowest first.
 struct Corrections {
     struct Repair {
         std::uint8_t component = 0;
@@ -27,18 +28,20 @@ struct Corrections {
     std::int64_t corrected = 0;              ///< samples with a k that is not zero, or a repair
 };
 
-/// Corrections that bring every valid sample of `surface` within `bound` of `original` in its sample type; bound 0: exactly.
-/// Verified sample by sample. Complexity: O(samples).
-[[nodiscard]] Corrections make_corrections(const Raster& original, const multires::Planes<double>& surface, double bound);
+/// Corrections that bring every valid sample of `surface` within `bound` of `original` in its
+/// sample type; bound 0: exactly. Verified sample by sample. Complexity: O(samples).
+[[nodiscard]] Corrections make_corrections(const Raster& original,
+                                           const multires::Planes<double>& surface, double bound);
 
 /// Applies them: corrected samples take their final value, others keep the unrounded surface.
-void apply_corrections(const Corrections& corrections, SampleType type, std::optional<double> nodata,
-                       multires::Planes<double>& surface);
+void apply_corrections(const Corrections& corrections, SampleType type,
+                       std::optional<double> nodata, multires::Planes<double>& surface);
 
 [[nodiscard]] std::vector<std::uint8_t> write_corrections(const Corrections& corrections);
 
 /// Errors: BadFile.
-[[nodiscard]] Result<Corrections> read_corrections(std::span<const std::uint8_t> bytes, std::int64_t rows,
-                                                   std::int64_t cols, int components);
+[[nodiscard]] Result<Corrections> read_corrections(std::span<const std::uint8_t> bytes,
+                                                   std::int64_t rows, std::int64_t cols,
+                                                   int components);
 
 }  // namespace relief::codec

@@ -33,13 +33,18 @@ Weighted halved(const Weighted& fine, bool& complete) {
 
 /// Bilinear interpolation of cell means at fine cell (i, j).
 double interpolated(const Grid<double>& coarse, std::int64_t i, std::int64_t j) {
-    const auto clamp_row = [&](std::int64_t r) { return std::clamp<std::int64_t>(r, 0, coarse.rows() - 1); };
-    const auto clamp_col = [&](std::int64_t c) { return std::clamp<std::int64_t>(c, 0, coarse.cols() - 1); };
+    const auto clamp_row = [&](std::int64_t r) {
+        return std::clamp<std::int64_t>(r, 0, coarse.rows() - 1);
+    };
+    const auto clamp_col = [&](std::int64_t c) {
+        return std::clamp<std::int64_t>(c, 0, coarse.cols() - 1);
+    };
     const std::int64_t r = i / 2;
     const std::int64_t c = j / 2;
     const std::int64_t other_r = clamp_row(i % 2 == 0 ? r - 1 : r + 1);
     const std::int64_t other_c = clamp_col(j % 2 == 0 ? c - 1 : c + 1);
-    return 0.0625 * (9 * coarse(r, c) + 3 * coarse(other_r, c) + 3 * coarse(r, other_c) + coarse(other_r, other_c));
+    return 0.0625 * (9 * coarse(r, c) + 3 * coarse(other_r, c) + 3 * coarse(r, other_c) +
+                     coarse(other_r, other_c));
 }
 
 void fill_levels(Weighted& fine) {
@@ -55,7 +60,8 @@ void fill_levels(Weighted& fine) {
 
 Grid<double> filled(GridView<const double> plane, const Grid<std::uint8_t>& mask) {
     Weighted all{Grid<double>(plane.rows, plane.cols), {}};
-    for (std::int64_t r = 0; r < plane.rows; ++r) std::copy_n(plane.row(r), plane.cols, all.value.row(r));
+    for (std::int64_t r = 0; r < plane.rows; ++r)
+        std::copy_n(plane.row(r), plane.cols, all.value.row(r));
     if (mask.empty()) return std::move(all.value);
     all.known = mask.clone();
     fill_levels(all);

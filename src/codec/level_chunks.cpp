@@ -18,19 +18,22 @@ std::vector<std::size_t> bands_of(const multires::PyramidLayout& layout, int num
     return bands;
 }
 
-std::vector<BandView> views_of(const multires::PyramidLayout& layout, int number, const Quantised& quantised) {
+std::vector<BandView> views_of(const multires::PyramidLayout& layout, int number,
+                               const Quantised& quantised) {
     std::vector<BandView> views;
     for (const std::size_t k : bands_of(layout, number))
         for (const Grid<std::int32_t>& plane : quantised.values[k])
             // The coder writes through views only when it decodes.
             views.push_back({layout.bands[k].box,
-                             {const_cast<std::int32_t*>(plane.row(0)), plane.rows(), plane.cols(), plane.stride()},
+                             {const_cast<std::int32_t*>(plane.row(0)), plane.rows(), plane.cols(),
+                              plane.stride()},
                              number == 0});
     return views;
 }
 
 /// The views of the next coarser details; none above the coarsest.
-std::vector<BandView> parents_of(const multires::PyramidLayout& layout, int number, const Quantised& quantised) {
+std::vector<BandView> parents_of(const multires::PyramidLayout& layout, int number,
+                                 const Quantised& quantised) {
     return number < 2 ? std::vector<BandView>{} : views_of(layout, number - 1, quantised);
 }
 
@@ -49,15 +52,16 @@ std::vector<std::uint8_t> write_level(const multires::PyramidLayout& layout,
     return out.take();
 }
 
-Status read_level(std::span<const std::uint8_t> bytes, int number, const multires::PyramidLayout& layout,
-                  Quantised& quantised) {
+Status read_level(std::span<const std::uint8_t> bytes, int number,
+                  const multires::PyramidLayout& layout, Quantised& quantised) {
     quantised.values.resize(layout.bands.size());
     quantised.steps.resize(layout.bands.size(), 0);
     ByteReader in(bytes);
     for (const std::size_t k : bands_of(layout, number)) {
         const float step = in.f32();
         if (in.failed() || !std::isfinite(step) || !(step > 0))
-            return Error{ErrorCode::BadFile, "a quantiser step is damaged", "level chunk " + std::to_string(number)};
+            return Error{ErrorCode::BadFile, "a quantiser step is damaged",
+                         "level chunk " + std::to_string(number)};
         quantised.steps[k] = step;
         quantised.values[k].clear();
         for (int c = 0; c < layout.components; ++c)

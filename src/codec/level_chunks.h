@@ -6,8 +6,9 @@
 
 #include "relief/codec/quantise.h"
 
-/// The chunks that hold quantised bands: one for the scaling band, then one for the details of each level, coarsest first.
-/// A chunk is the steps of its bands as float32, then the entropy-coded values.
+/// The chunks that hold quantised bands: one for the scaling band, then one for the details of each
+/// level, coarsest first. A chunk is the steps of its bands as float32, then the entropy-coded
+/// values.
 namespace relief::codec {
 
 /// Number of the chunk a band belongs to: 0 scaling, 1 details of the coarsest level, ...
@@ -18,7 +19,7 @@ namespace relief::codec {
                                                     const Quantised& quantised, int number);
 
 /// Reads chunk `number` into `quantised`, whose earlier chunks have been read. Errors: BadFile.
-[[nodiscard]] Status read_level(std::span<const std::uint8_t> bytes, int number, const multires::PyramidLayout& layout,
-                                Quantised& quantised);
+[[nodiscard]] Status read_level(std::span<const std::uint8_t> bytes, int number,
+                                const multires::PyramidLayout& layout, Quantised& quantised);
 
 }  // namespace relief::codec

@@ -51,11 +51,14 @@ Result<Measure> measure(const Raster& reference, const Raster& other) {
         return std::to_string(raster.cols) + " x " + std::to_string(raster.rows) + " with " +
                std::to_string(raster.planes.size()) + " bands";
     };
-    if (reference.rows != other.rows || reference.cols != other.cols || reference.planes.size() != other.planes.size())
-        return Error{ErrorCode::BadInput, "can not compare " + size(reference) + " to " + size(other), ""};
+    if (reference.rows != other.rows || reference.cols != other.cols ||
+        reference.planes.size() != other.planes.size())
+        return Error{ErrorCode::BadInput,
+                     "can not compare " + size(reference) + " to " + size(other), ""};
     std::vector<RowSums> rows(static_cast<std::size_t>(reference.rows));
     parallel_for(0, reference.rows, 64, [&](std::int64_t first, std::int64_t last) {
-        for (std::int64_t r = first; r < last; ++r) rows[static_cast<std::size_t>(r)] = measure_row(reference, other, r);
+        for (std::int64_t r = first; r < last; ++r)
+            rows[static_cast<std::size_t>(r)] = measure_row(reference, other, r);
     });
     RowSums all;
     Measure result;
@@ -71,7 +74,8 @@ Result<Measure> measure(const Raster& reference, const Raster& other) {
         result.worst_row = r;
         result.worst_col = row.worst_col;
     }
-    if (all.samples == 0) return Error{ErrorCode::BadInput, "no sample is valid in both rasters", ""};
+    if (all.samples == 0)
+        return Error{ErrorCode::BadInput, "no sample is valid in both rasters", ""};
     result.samples = all.samples;
     result.mask_differs = all.mask_differs;
     result.max_error = all.max;

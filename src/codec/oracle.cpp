@@ -18,14 +18,17 @@ double magnitude(const multires::Planes<double>& band, std::int64_t r, std::int6
     return std::sqrt(square);
 }
 
-/// What multiplies a magnitude to give its weight: the norm of the band, less where an atom reaches over the border.
+/// What multiplies a magnitude to give its weight: the norm of the band, less where an atom reaches
+/// over the border.
 class Weights {
   public:
-    Weights(const PyramidLayout& layout, Metric metric) : layout_(layout), metric_(metric), coverage_(multires::coverage(layout)) {}
+    Weights(const PyramidLayout& layout, Metric metric)
+        : layout_(layout), metric_(metric), coverage_(multires::coverage(layout)) {}
 
     [[nodiscard]] double operator()(std::size_t band, std::int64_t r, std::int64_t c) const {
         const double norm = band_norm(layout_.bands[band], metric_);
-        return coverage_.empty() ? norm : norm * std::sqrt(static_cast<double>(coverage_[band](r, c)));
+        return coverage_.empty() ? norm
+                                 : norm * std::sqrt(static_cast<double>(coverage_[band](r, c)));
     }
 
   private:
@@ -49,7 +52,8 @@ double ordered_sum(std::int64_t rows, RowSum row_sum) {
 /// Calls fn(row of a, row of b, row of mask, cols, weight) for all rows of all planes.
 class Kept {
   public:
-    Kept(const PyramidLayout& layout, const Selection& selection) : layout_(layout), selection_(selection) {}
+    Kept(const PyramidLayout& layout, const Selection& selection)
+        : layout_(layout), selection_(selection) {}
 
     /// sum over kept coefficients of a * b
     [[nodiscard]] double dot(const Pyramid<double>& a, const Pyramid<double>& b) const {
@@ -61,27 +65,30 @@ class Kept {
                     const double* y = b.bands[k][p].row(r);
                     const std::uint8_t* kept = selection_.masks[k].row(r);
                     double sum = 0;
-                    for (std::int64_t c = 0; c < a.bands[k][p].cols(); ++c) sum += kept[c] ? x[c] * y[c] : 0.0;
+                    for (std::int64_t c = 0; c < a.bands[k][p].cols(); ++c)
+                        sum += kept[c] ? x[c] * y[c] : 0.0;
                     return sum;
                 });
         return total;
     }
 
-    /// fn(element of a, element of b, norm of the band) for kept elements, writing into a; others become zero.
+    /// fn(element of a, element of b, norm of the band) for kept elements, writing into a; others
+    /// become zero.
     template <class Function>
     void update(Pyramid<double>& a, const Pyramid<double>& b, Function fn) const {
         for (std::size_t k = 0; k < a.bands.size(); ++k) {
             const double norm = band_norm(layout_.bands[k], Metric::Samples);
             for (std::size_t p = 0; p < a.bands[k].size(); ++p)
-                parallel_for(0, a.bands[k][p].rows(), 64, [&](std::int64_t first, std::int64_t last) {
-                    for (std::int64_t r = first; r < last; ++r) {
-                        double* x = a.bands[k][p].row(r);
-                        const double* y = b.bands[k][p].row(r);
-                        const std::uint8_t* kept = selection_.masks[k].row(r);
-                        for (std::int64_t c = 0; c < a.bands[k][p].cols(); ++c)
-                            x[c] = kept[c] ? fn(x[c], y[c], norm) : 0.0;
-                    }
-                });
+                parallel_for(0, a.bands[k][p].rows(), 64,
+                             [&](std::int64_t first, std::int64_t last) {
+                                 for (std::int64_t r = first; r < last; ++r) {
+                                     double* x = a.bands[k][p].row(r);
+                                     const double* y = b.bands[k][p].row(r);
+                                     const std::uint8_t* kept = selection_.masks[k].row(r);
+                                     for (std::int64_t c = 0; c < a.bands[k][p].cols(); ++c)
+                                         x[c] = kept[c] ? fn(x[c], y[c], norm) : 0.0;
+                                 }
+                             });
         }
     }
 
@@ -91,7 +98,8 @@ class Kept {
 };
 
 /// mask * (target - surface), or mask * surface when subtract is false.
-multires::Planes<double> masked_residual(const Target& target, multires::Planes<double> surface, bool subtract) {
+multires::Planes<double> masked_residual(const Target& target, multires::Planes<double> surface,
+                                         bool subtract) {
     for (std::size_t p = 0; p < surface.size(); ++p)
         parallel_for(0, surface[p].rows(), 64, [&](std::int64_t first, std::int64_t last) {
             for (std::int64_t r = first; r < last; ++r) {
@@ -118,11 +126,13 @@ Pyramid<double> zeros(const PyramidLayout& layout) {
     auto pyramid = Pyramid<double>::allocate(layout);
     for (auto& band : pyramid.bands)
         for (Grid<double>& plane : band)
-            for (std::int64_t r = 0; r < plane.rows(); ++r) std::fill_n(plane.row(r), plane.cols(), 0.0);
+            for (std::int64_t r = 0; r < plane.rows(); ++r)
+                std::fill_n(plane.row(r), plane.cols(), 0.0);
     return pyramid;
 }
 
-Selection select_where(const Pyramid<double>& pyramid, double threshold, std::int64_t ties, Metric metric) {
+Selection select_where(const Pyramid<double>& pyramid, double threshold, std::int64_t ties,
+                       Metric metric) {
     Selection selection;
     const Weights weight(pyramid.layout, metric);
     for (std::size_t k = 0; k < pyramid.bands.size(); ++k) {
@@ -130,7 +140,8 @@ Selection select_where(const Pyramid<double>& pyramid, double threshold, std::in
         Grid<std::uint8_t> mask(box.rows, box.cols);
         for (std::int64_t r = 0; r < box.rows; ++r)
             for (std::int64_t c = 0; c < box.cols; ++c) {
-                const double weighted = k == 0 ? INFINITY : magnitude(pyramid.bands[k], r, c) * weight(k, r, c);
+                const double weighted =
+                    k == 0 ? INFINITY : magnitude(pyramid.bands[k], r, c) * weight(k, r, c);
                 const bool kept = weighted > threshold || (weighted == threshold && ties-- > 0);
                 mask(r, c) = kept;
                 selection.kept += kept;
@@ -158,12 +169,14 @@ Selection select_largest(const Pyramid<double>& pyramid, std::int64_t keep, Metr
             for (std::int64_t c = 0; c < box.cols; ++c)
                 weighted.push_back(magnitude(pyramid.bands[k], r, c) * weight(k, r, c));
     }
-    if (wanted >= static_cast<std::int64_t>(weighted.size())) return select_where(pyramid, -1, 0, metric);
+    if (wanted >= static_cast<std::int64_t>(weighted.size()))
+        return select_where(pyramid, -1, 0, metric);
     if (wanted == 0) return select_where(pyramid, std::numeric_limits<double>::max(), 0, metric);
     const auto last = weighted.begin() + (wanted - 1);
     std::nth_element(weighted.begin(), last, weighted.end(), std::greater<>());
     const double threshold = *last;
-    const auto above = std::count_if(weighted.begin(), weighted.end(), [&](double w) { return w > threshold; });
+    const auto above =
+        std::count_if(weighted.begin(), weighted.end(), [&](double w) { return w > threshold; });
     return select_where(pyramid, threshold, wanted - above, metric);
 }
 
@@ -172,12 +185,15 @@ Selection select_above(const Pyramid<double>& pyramid, double threshold, Metric 
 }
 
 void apply(const Selection& selection, Pyramid<double>& pyramid) {
-    Kept(pyramid.layout, selection).update(pyramid, pyramid, [](double x, double, double) { return x; });
+    Kept(pyramid.layout, selection).update(pyramid, pyramid, [](double x, double, double) {
+        return x;
+    });
 }
 
-void refit(Pyramid<double>& pyramid, const Selection& selection, const Target& target, int iterations) {
-    // Conjugate gradients for (S W^-1)^T (S W^-1) y = (S W^-1)^T f over the kept y = W c, written in terms of c:
-    // residuals and directions below are those of y divided by W.
+void refit(Pyramid<double>& pyramid, const Selection& selection, const Target& target,
+           int iterations) {
+    // Conjugate gradients for (S W^-1)^T (S W^-1) y = (S W^-1)^T f over the kept y = W c, written
+    // in terms of c: residuals and directions below are those of y divided by W.
     const PyramidLayout& layout = pyramid.layout;
     const Kept kept(layout, selection);
     const auto gradient_of = [&](multires::Planes<double> residual) {
@@ -185,7 +201,8 @@ void refit(Pyramid<double>& pyramid, const Selection& selection, const Target& t
         kept.update(gradient, gradient, [](double g, double, double norm) { return g / norm; });
         return gradient;
     };
-    Pyramid<double> residual = gradient_of(masked_residual(target, multires::synthesise(pyramid), true));
+    Pyramid<double> residual =
+        gradient_of(masked_residual(target, multires::synthesise(pyramid), true));
     Pyramid<double> direction = zeros(layout);
     double energy = kept.dot(residual, residual);
     const double negligible = energy * 1e-24;

@@ -16,7 +16,8 @@ double largest_magnitude(const multires::Planes<double>& band) {
     double largest = 0;
     for (const Grid<double>& plane : band)
         for (std::int64_t r = 0; r < plane.rows(); ++r)
-            for (std::int64_t c = 0; c < plane.cols(); ++c) largest = std::max(largest, std::abs(plane(r, c)));
+            for (std::int64_t c = 0; c < plane.cols(); ++c)
+                largest = std::max(largest, std::abs(plane(r, c)));
     return largest;
 }
 
@@ -43,7 +44,8 @@ Quantised quantise_with(const Pyramid<double>& pyramid, double rounding, StepOf 
         const double largest = largest_magnitude(pyramid.bands[k]);
         const double wanted = std::max(step_of(k, largest), largest / kLargestValue);
         // A float that is not below the wanted step keeps the values in range.
-        float step = static_cast<float>(std::min(wanted, double{std::numeric_limits<float>::max()}));
+        float step =
+            static_cast<float>(std::min(wanted, double{std::numeric_limits<float>::max()}));
         if (step < wanted) step = std::nextafter(step, INFINITY);
         if (!(step > 0)) step = 1;
         std::vector<Grid<std::int32_t>> planes;
@@ -65,7 +67,8 @@ Quantised quantise(const Pyramid<double>& pyramid, double unit, double rounding)
 }
 
 Quantised quantise_finely(const Pyramid<double>& pyramid) {
-    return quantise_with(pyramid, 0.5, [](std::size_t, double largest) { return std::ldexp(largest, -24); });
+    return quantise_with(pyramid, 0.5,
+                         [](std::size_t, double largest) { return std::ldexp(largest, -24); });
 }
 
 void dequantise(const Quantised& quantised, Pyramid<double>& pyramid, int finest_level) {
@@ -89,7 +92,8 @@ std::int64_t count_kept(const Quantised& quantised) {
         const auto& planes = quantised.values[k];
         for (std::int64_t r = 0; r < planes[0].rows(); ++r)
             for (std::int64_t c = 0; c < planes[0].cols(); ++c)
-                kept += std::any_of(planes.begin(), planes.end(), [&](const auto& plane) { return plane(r, c) != 0; });
+                kept += std::any_of(planes.begin(), planes.end(),
+                                    [&](const auto& plane) { return plane(r, c) != 0; });
     }
     return kept;
 }

@@ -5,10 +5,10 @@
 #include <string>
 
 #include "codec/corrections.h"
-#include "relief/codec/fill.h"
 #include "codec/level_chunks.h"
 #include "codec/raster_header.h"
 #include "relief/codec/container.h"
+#include "relief/codec/fill.h"
 #include "relief/codec/mask_coder.h"
 #include "relief/codec/quantise.h"
 #include "relief/codec/raster_codec.h"
@@ -20,11 +20,14 @@ namespace {
 
 using multires::Planes;
 
-/// Rounding of magnitudes where only coefficients worth their bits shall survive, and for chosen coefficients.
+/// Rounding of magnitudes where only coefficients worth their bits shall survive, and for chosen
+/// coefficients.
 constexpr double kDeadZoneRounding = 0.45;
-/// A coefficient is worth refitting when its weighted magnitude is at least this part of the quantiser's unit.
+/// A coefficient is worth refitting when its weighted magnitude is at least this part of the
+/// quantiser's unit.
 constexpr double kRefitThreshold = 0.55;
-/// Quantiser steps are floats and values have 31 bits: samples up to here leave room for what filters add.
+/// Quantiser steps are floats and values have 31 bits: samples up to here leave room for what
+/// filters add.
 constexpr double kLargestSample = 1e45;
 /// Bounds below so many of a float type's steps may cost more than exactness.
 constexpr double kNearlyExact = 64;
@@ -32,10 +35,13 @@ constexpr double kNearlyExact = 64;
 struct Error2 {
     double max = 0;
     double square = 0;
-    [[nodiscard]] double rms(std::int64_t samples) const { return std::sqrt(square / static_cast<double>(samples)); }
+    [[nodiscard]] double rms(std::int64_t samples) const {
+        return std::sqrt(square / static_cast<double>(samples));
+    }
 };
 
-/// Errors of a surface at the valid samples, after rounding to the sample type. Same result for any thread count.
+/// Errors of a surface at the valid samples, after rounding to the sample type. Same result for any
+/// thread count.
 Error2 surface_error(const Raster& raster, const Planes<double>& surface) {
     std::vector<Error2> rows(static_cast<std::size_t>(raster.rows));
     parallel_for(0, raster.rows, 32, [&](std::int64_t first, std::int64_t last) {
@@ -74,7 +80,8 @@ double largest_error_of_level(const Raster& raster, const Planes<double>& planes
             for (std::int64_t c = 0; c < planes[p].cols(); ++c) {
                 if (!raster.valid(r * step, c * step)) continue;
                 const double stored = stored_value(planes[p](r, c), raster.type, raster.nodata);
-                largest = std::max(largest, std::abs(stored - raster.planes[p](r * step, c * step)));
+                largest =
+                    std::max(largest, std::abs(stored - raster.planes[p](r * step, c * step)));
             }
     return largest;
 }
@@ -94,7 +101,8 @@ struct Candidate {
 
 class Encoder {
   public:
-    Encoder(const Raster& raster, const EncodeOptions& options) : raster_(raster), options_(options) {}
+    Encoder(const Raster& raster, const EncodeOptions& options)
+        : raster_(raster), options_(options) {}
 
     Result<EncodedRaster> run() {
         RELIEF_CHECK(check());
@@ -109,26 +117,35 @@ class Encoder {
 
     Status check() {
         const Goal& goal = options_.goal;
-        const auto refuse = [](std::string what) { return Error{ErrorCode::InvalidArgument, std::move(what), ""}; };
+        const auto refuse = [](std::string what) {
+            return Error{ErrorCode::InvalidArgument, std::move(what), ""};
+        };
         if (goal.kind != Kind::Lossless && !(goal.value >= 0 && std::isfinite(goal.value)))
-            return refuse("the goal " + std::string(goal_name(goal.kind)) + " must be a number that is not negative");
-        if (goal.kind == Kind::Bytes && goal.value < 1) return refuse("a file has at least one byte");
+            return refuse("the goal " + std::string(goal_name(goal.kind)) +
+                          " must be a number that is not negative");
+        if (goal.kind == Kind::Bytes && goal.value < 1)
+            return refuse("a file has at least one byte");
         if (raster_.rows < 1 || raster_.cols < 1 || raster_.planes.empty())
-            return Error{ErrorCode::BadInput, "the raster is empty; it needs at least one sample", ""};
+            return Error{ErrorCode::BadInput, "the raster is empty; it needs at least one sample",
+                         ""};
         samples_ = raster_.valid_count();
         if (samples_ == 0)
-            return Error{ErrorCode::BadInput, "no sample is valid: every one is NODATA or not a number", ""};
+            return Error{ErrorCode::BadInput,
+                         "no sample is valid: every one is NODATA or not a number", ""};
         for (const Grid<double>& plane : raster_.planes)
             for (std::int64_t r = 0; r < raster_.rows; ++r)
                 for (std::int64_t c = 0; c < raster_.cols; ++c)
                     if (raster_.valid(r, c) && !(std::abs(plane(r, c)) <= kLargestSample))
-                        return Error{ErrorCode::BadInput, "a valid sample is not a number or beyond 1e45; mark it as NODATA",
-                                     "row " + std::to_string(r) + ", column " + std::to_string(c)};
+                        return Error{
+                            ErrorCode::BadInput,
+                            "a valid sample is not a number or beyond 1e45; mark it as NODATA",
+                            "row " + std::to_string(r) + ", column " + std::to_string(c)};
         return {};
     }
 
     Status analyse() {
-        for (const Grid<double>& plane : raster_.planes) filled_.push_back(filled(plane.view(), raster_.mask));
+        for (const Grid<double>& plane : raster_.planes)
+            filled_.push_back(filled(plane.view(), raster_.mask));
         for (const Grid<double>& plane : filled_) target_.planes.push_back(plane.view());
         if (!raster_.mask.empty()) target_.mask = raster_.mask.view();
         RELIEF_TRY(pyramid_, multires::analyse<double>(target_.planes, options_.spec));
@@ -153,7 +170,8 @@ class Encoder {
         return search_bounded(0);
     }
 
-    // --- candidates -----------------------------------------------------------------------------------------------
+    // --- candidates
+    // -----------------------------------------------------------------------------------------------
 
     Planes<double> surface_of(const Quantised& quantised, int finest_level = 0) {
         dequantise(quantised, scratch_, finest_level);
@@ -179,8 +197,9 @@ class Encoder {
         return copy;
     }
 
-    /// Quantised coefficients for a unit. Least squares over those that will not be zero takes 10 to 20 % off the file at the
-    /// same error: atoms of one level overlap and can take over what their neighbours lose.
+    /// Quantised coefficients for a unit. Least squares over those that will not be zero takes 10
+    /// to 20 % off the file at the same error: atoms of one level overlap and can take over what
+    /// their neighbours lose.
     Candidate at_unit(double unit) {
         if (options_.effort == Effort::Select)
             return evaluated(quantise(pyramid_, unit, kDeadZoneRounding));
@@ -217,21 +236,23 @@ class Encoder {
         return file.ok() ? file->size() : std::numeric_limits<std::uint64_t>::max();
     }
 
-    // --- goals ----------------------------------------------------------------------------------------------------
+    // --- goals
+    // ----------------------------------------------------------------------------------------------------
 
     Result<Candidate> keep() {
         const double share = options_.goal.value / 100;
-        const double wanted = std::min(share * static_cast<double>(raster_.rows * raster_.cols), 9e18);
+        const double wanted =
+            std::min(share * static_cast<double>(raster_.rows * raster_.cols), 9e18);
         Pyramid<double> chosen = copy_of_pyramid();
-        const Selection selection =
-            codec::choose(chosen, static_cast<std::int64_t>(std::llround(wanted)), target_, options_.effort);
+        const Selection selection = codec::choose(
+            chosen, static_cast<std::int64_t>(std::llround(wanted)), target_, options_.effort);
         Candidate candidate = evaluated(quantise_finely(chosen));
         candidate.quantised.kept = selection.kept;
         return candidate;
     }
 
-    /// Finds the unit where `measure_of(candidate)` meets 1 from below. growing: the measure grows with the unit.
-    /// Keeps the candidate that is closest below 1.
+    /// Finds the unit where `measure_of(candidate)` meets 1 from below. growing: the measure grows
+    /// with the unit. Keeps the candidate that is closest below 1.
     template <class MeasureOf>
     Result<Candidate> search(double unit, bool growing, double close_enough, MeasureOf measure_of) {
         std::optional<Candidate> best;
@@ -279,8 +300,9 @@ class Encoder {
     Result<Candidate> search_rms() {
         const double goal = options_.goal.value;
         if (goal > 0) {
-            auto found = search(3 * goal, true, 0.995,
-                                [&](const Candidate& candidate) { return candidate.error.rms(samples_) / goal; });
+            auto found = search(3 * goal, true, 0.995, [&](const Candidate& candidate) {
+                return candidate.error.rms(samples_) / goal;
+            });
             if (found.ok() || found.error().code == ErrorCode::Cancelled) return found;
         }
         return search_bounded(0);  // nearer than quantising comes
@@ -292,8 +314,8 @@ class Encoder {
         const std::uint64_t least = size_of(nothing);
         if (static_cast<double>(least) > goal)
             return Error{ErrorCode::InvalidArgument,
-                         "no file is that small; this raster's header and structure alone take " + std::to_string(least) +
-                             " bytes",
+                         "no file is that small; this raster's header and structure alone take " +
+                             std::to_string(least) + " bytes",
                          ""};
         // A start from the spread of the data: about one bit a sample at a third of its deviation.
         const double bits = 8 * goal / static_cast<double>(samples_);
@@ -313,8 +335,9 @@ class Encoder {
             for (const Grid<double>& plane : pyramid_.bands[k])
                 for (std::int64_t r = 0; r < plane.rows(); ++r)
                     for (std::int64_t c = 0; c < plane.cols(); ++c)
-                        unit = std::max(unit, 4 * std::abs(plane(r, c)) *
-                                                  band_norm(pyramid_.layout.bands[k], Metric::Samples));
+                        unit = std::max(unit,
+                                        4 * std::abs(plane(r, c)) *
+                                            band_norm(pyramid_.layout.bands[k], Metric::Samples));
         return unit;
     }
 
@@ -334,7 +357,8 @@ class Encoder {
         return std::move(best.candidate);
     }
 
-    /// The unit whose file with corrections is smallest, by a golden-section-like walk over factors of the bound.
+    /// The unit whose file with corrections is smallest, by a golden-section-like walk over factors
+    /// of the bound.
     Result<Corrected> search_corrected(double bound) {
         const bool exact = bound == 0;
         const double quantum = smallest_step();
@@ -366,12 +390,14 @@ class Encoder {
         double largest = 0;
         for (const Grid<double>& plane : filled_)
             for (std::int64_t r = 0; r < plane.rows(); ++r)
-                for (std::int64_t c = 0; c < plane.cols(); ++c) largest = std::max(largest, std::abs(plane(r, c)));
+                for (std::int64_t c = 0; c < plane.cols(); ++c)
+                    largest = std::max(largest, std::abs(plane(r, c)));
         const double epsilon = raster_.type == SampleType::Float32 ? 0x1p-24 : 0x1p-53;
         return std::max(largest * epsilon, 1e-290);
     }
 
-    // --- file -----------------------------------------------------------------------------------------------------
+    // --- file
+    // -----------------------------------------------------------------------------------------------------
 
     /// The file of a candidate whose chunks are coded.
     Result<Bytes> assemble(const Candidate& candidate, const std::vector<Error2>& level_errors,
@@ -395,11 +421,13 @@ class Encoder {
         header.rms_error = final_error.rms(samples_);
 
         ContainerWriter writer(write_header(header));
-        if (header.has_mask) RELIEF_CHECK(writer.add({.kind = ChunkKind::Mask}, encode_mask(raster_.mask.view())));
+        if (header.has_mask)
+            RELIEF_CHECK(writer.add({.kind = ChunkKind::Mask}, encode_mask(raster_.mask.view())));
         for (std::size_t k = 0; k < candidate.levels.size(); ++k) {
             ChunkInfo info;
             info.kind = k == 0 ? ChunkKind::Scaling : ChunkKind::Level;
-            info.level = static_cast<std::uint16_t>(pyramid_.layout.levels() - (k == 0 ? 0 : static_cast<int>(k) - 1));
+            info.level = static_cast<std::uint16_t>(pyramid_.layout.levels() -
+                                                    (k == 0 ? 0 : static_cast<int>(k) - 1));
             if (k < level_errors.size()) {
                 info.bound = level_errors[k].max;
                 info.rms = level_errors[k].rms(samples_);
@@ -414,13 +442,16 @@ class Encoder {
         return writer.finish();
     }
 
-    /// Errors of the surface decoded up to each chunk, at all samples. The largest holds for the raster of the chunk's level
-    /// too, whose border is extrapolated at that level and may differ from the surface.
+    /// Errors of the surface decoded up to each chunk, at all samples. The largest holds for the
+    /// raster of the chunk's level too, whose border is extrapolated at that level and may differ
+    /// from the surface.
     std::vector<Error2> errors_by_chunk(const Candidate& candidate) {
         std::vector<Error2> errors;
         for (int level = pyramid_.layout.levels(); level >= 1; --level) {
             Error2 error = surface_error(raster_, surface_of(candidate.quantised, level));
-            error.max = std::max(error.max, largest_error_of_level(raster_, multires::synthesise(scratch_, level), level));
+            error.max = std::max(
+                error.max,
+                largest_error_of_level(raster_, multires::synthesise(scratch_, level), level));
             errors.push_back(error);
         }
         errors.push_back(candidate.error);
@@ -446,7 +477,8 @@ class Encoder {
         report.kept = best.quantised.kept;
         report.corrected = best.corrections ? best.corrections->corrected : 0;
         report.bytes = result.bytes.size();
-        report.bits_per_sample = 8.0 * static_cast<double>(report.bytes) / static_cast<double>(report.samples);
+        report.bits_per_sample =
+            8.0 * static_cast<double>(report.bytes) / static_cast<double>(report.samples);
         report.max_error = final_error.max;
         report.rms_error = final_error.rms(samples_);
         const double energy = detail_energy_of_pyramid();
@@ -461,7 +493,8 @@ class Encoder {
             for (std::size_t p = 0; p < pyramid_.bands[k].size(); ++p)
                 for (std::int64_t r = 0; r < pyramid_.bands[k][p].rows(); ++r)
                     if (k == 0)
-                        std::copy_n(pyramid_.bands[k][p].row(r), pyramid_.bands[k][p].cols(), scratch_.bands[k][p].row(r));
+                        std::copy_n(pyramid_.bands[k][p].row(r), pyramid_.bands[k][p].cols(),
+                                    scratch_.bands[k][p].row(r));
                     else
                         std::fill_n(scratch_.bands[k][p].row(r), scratch_.bands[k][p].cols(), 0.0);
         const Planes<double> coarse = multires::synthesise(scratch_);
@@ -469,7 +502,8 @@ class Encoder {
         for (std::size_t p = 0; p < coarse.size(); ++p)
             for (std::int64_t r = 0; r < raster_.rows; ++r)
                 for (std::int64_t c = 0; c < raster_.cols; ++c)
-                    if (raster_.valid(r, c)) energy += std::pow(raster_.planes[p](r, c) - coarse[p](r, c), 2);
+                    if (raster_.valid(r, c))
+                        energy += std::pow(raster_.planes[p](r, c) - coarse[p](r, c), 2);
         return energy;
     }
 
@@ -481,8 +515,9 @@ class Encoder {
         const bool over = options_.goal.kind == Kind::MaxError && found.max > options_.goal.value;
         if (found.max == expected.max && found.square == expected.square && !over) return {};
         return Error{ErrorCode::BadFile,
-                     "the decoded file differs from what was encoded (error " + std::to_string(found.max) + " instead of " +
-                         std::to_string(expected.max) + "); nothing was written. Please report this",
+                     "the decoded file differs from what was encoded (error " +
+                         std::to_string(found.max) + " instead of " + std::to_string(expected.max) +
+                         "); nothing was written. Please report this",
                      "verification"};
     }
 

@@ -24,24 +24,28 @@ namespace {
 constexpr std::uint64_t kMoveBytes = 4 + 2 * 8 + 4 * 8;
 constexpr double kLargestMove = 1e300;
 
-/// Samples that a header may claim: any raster of some size, or so many a byte that only one without content has more.
+/// Samples that a header may claim: any raster of some size, or so many a byte that only one
+/// without content has more.
 constexpr std::uint64_t kSamplesAlways = std::uint64_t{1} << 28;
 constexpr std::uint64_t kSamplesPerByte = std::uint64_t{1} << 16;
 
 /// Sizes are believed before anything of their size is allocated, so they must be believable.
 Status check_size(const Raster& description, int components, std::uint64_t file_size) {
-    const auto samples = static_cast<std::uint64_t>(description.rows) * static_cast<std::uint64_t>(description.cols);
+    const auto samples =
+        static_cast<std::uint64_t>(description.rows) * static_cast<std::uint64_t>(description.cols);
     const std::uint64_t bytes = std::min(file_size, std::uint64_t{1} << 40);
     const std::uint64_t most = std::max(kSamplesAlways, kSamplesPerByte * bytes);
     if (samples <= most / static_cast<std::uint64_t>(components)) return {};
     return Error{ErrorCode::BadFile,
-                 "claims " + std::to_string(description.cols) + " x " + std::to_string(description.rows) + " samples, too many for " +
+                 "claims " + std::to_string(description.cols) + " x " +
+                     std::to_string(description.rows) + " samples, too many for " +
                      std::to_string(file_size) + " bytes; the file is damaged",
                  "header"};
 }
 
 bool is_displacement(const Move& move) {
-    return std::all_of(move.delta.begin(), move.delta.end(), [](double d) { return std::abs(d) <= kLargestMove; });
+    return std::all_of(move.delta.begin(), move.delta.end(),
+                       [](double d) { return std::abs(d) <= kLargestMove; });
 }
 
 std::vector<std::uint8_t> write_moves(const std::vector<Move>& moves) {
@@ -56,11 +60,13 @@ std::vector<std::uint8_t> write_moves(const std::vector<Move>& moves) {
     return out.take();
 }
 
-Result<std::vector<Move>> read_moves(std::span<const std::uint8_t> bytes, const PyramidLayout& layout) {
+Result<std::vector<Move>> read_moves(std::span<const std::uint8_t> bytes,
+                                     const PyramidLayout& layout) {
     const Error damaged{ErrorCode::BadFile, "the edits are damaged", "edit chunk"};
     ByteReader in(bytes);
     const std::uint64_t count = in.u64();
-    if (in.failed() || in.rest().size() % kMoveBytes != 0 || count != in.rest().size() / kMoveBytes) return damaged;
+    if (in.failed() || in.rest().size() % kMoveBytes != 0 || count != in.rest().size() / kMoveBytes)
+        return damaged;
     std::vector<Move> moves(count);
     for (Move& move : moves) {
         move.level = static_cast<int>(std::min<std::uint32_t>(in.u32(), 1000));
@@ -81,7 +87,9 @@ void add(Planes<double>& to, const Planes<double>& from) {
 bool all_finite(const Planes<double>& planes) {
     return std::all_of(planes.begin(), planes.end(), [](const Grid<double>& plane) {
         for (std::int64_t r = 0; r < plane.rows(); ++r)
-            if (!std::all_of(plane.row(r), plane.row(r) + plane.cols(), [](double v) { return std::isfinite(v); })) return false;
+            if (!std::all_of(plane.row(r), plane.row(r) + plane.cols(),
+                             [](double v) { return std::isfinite(v); }))
+                return false;
         return true;
     });
 }
@@ -112,7 +120,7 @@ struct RasterFile::State {
     std::optional<std::size_t> correction_chunk;
     std::optional<std::size_t> mask_chunk;
     std::optional<std::size_t> edits_chunk;
-    int complete_levels = 0;                ///< leading level chunks inside the prefix
+    int complete_levels = 0;  ///< leading level chunks inside the prefix
     std::vector<float> steps;
 
     Status read_structure(std::uint64_t file_size);
@@ -127,9 +135,11 @@ struct RasterFile::State {
 Status RasterFile::State::read_structure(std::uint64_t file_size) {
     RELIEF_TRY(header, read_header(container->header()));
     RELIEF_CHECK(check_size(header.description, header.components, file_size));
-    auto bands = multires::layout(header.spec, header.description.rows, header.description.cols, header.components);
+    auto bands = multires::layout(header.spec, header.description.rows, header.description.cols,
+                                  header.components);
     if (!bands.ok())
-        return Error{ErrorCode::BadFile, "describes an impossible pyramid: " + bands.error().message, "header"};
+        return Error{ErrorCode::BadFile,
+                     "describes an impossible pyramid: " + bands.error().message, "header"};
     layout = *std::move(bands);
     return find_chunks();
 }
@@ -147,7 +157,8 @@ Status RasterFile::State::find_chunks() {
         if (chunk.kind == ChunkKind::Correction) place = &correction_chunk;
         if (chunk.kind == ChunkKind::Scaling) place = levels.data();
         if (chunk.kind == ChunkKind::Level) {
-            if (chunk.level < 1 || chunk.level > layout.levels()) return wrong("lists a level that does not exist");
+            if (chunk.level < 1 || chunk.level > layout.levels())
+                return wrong("lists a level that does not exist");
             place = &levels[static_cast<std::size_t>(layout.levels() + 1 - chunk.level)];
         }
         if (place && place->has_value()) return wrong("lists a chunk twice");
@@ -157,7 +168,8 @@ Status RasterFile::State::find_chunks() {
         if (!level) return wrong("lacks a level");
         level_chunks.push_back(*level);
     }
-    if (header.has_mask != mask_chunk.has_value()) return wrong("does not agree with the header about a mask");
+    if (header.has_mask != mask_chunk.has_value())
+        return wrong("does not agree with the header about a mask");
     return {};
 }
 
@@ -165,9 +177,13 @@ Status RasterFile::State::read_side_data() {
     while (complete_levels <= layout.levels() &&
            container->complete(level_chunks[static_cast<std::size_t>(complete_levels)]))
         ++complete_levels;
-    const auto cut = [&](std::optional<std::size_t> chunk) { return chunk && !container->complete(*chunk); };
+    const auto cut = [&](std::optional<std::size_t> chunk) {
+        return chunk && !container->complete(*chunk);
+    };
     if (complete_levels == 0 || cut(mask_chunk) || cut(edits_chunk))
-        return Error{ErrorCode::BadFile, "not even the coarsest level is inside the bytes given; give more of the file", ""};
+        return Error{ErrorCode::BadFile,
+                     "not even the coarsest level is inside the bytes given; give more of the file",
+                     ""};
     if (mask_chunk) {
         RELIEF_TRY(const auto data, container->chunk(*mask_chunk));
         mask = Grid<std::uint8_t>(layout.rows, layout.cols);
@@ -184,7 +200,8 @@ Result<Quantised> RasterFile::State::read_bands(int level) const {
     Quantised quantised;
     const int wanted = std::min(layout.levels() - level + 1, complete_levels);
     for (int number = 0; number < wanted; ++number) {
-        RELIEF_TRY(const auto data, container->chunk(level_chunks[static_cast<std::size_t>(number)]));
+        RELIEF_TRY(const auto data,
+                   container->chunk(level_chunks[static_cast<std::size_t>(number)]));
         RELIEF_CHECK(read_level(data, number, layout, quantised));
     }
     return quantised;
@@ -218,10 +235,13 @@ Result<Planes<double>> RasterFile::State::corrected_samples(int level) const {
     Planes<double> samples = multires::samples_of(layout, level_coefficients, level);
     if (level != 0 || !correction_chunk || !container->complete(*correction_chunk)) return samples;
     RELIEF_TRY(const auto data, container->chunk(*correction_chunk));
-    RELIEF_TRY(const Corrections corrections, read_corrections(data, layout.rows, layout.cols, layout.components));
+    RELIEF_TRY(const Corrections corrections,
+               read_corrections(data, layout.rows, layout.cols, layout.components));
     apply_corrections(corrections, header.description.type, header.description.nodata, samples);
     if (all_finite(samples)) return samples;
-    return Error{ErrorCode::BadFile, "the corrections give samples that are not numbers; the file is damaged", "correction chunk"};
+    return Error{ErrorCode::BadFile,
+                 "the corrections give samples that are not numbers; the file is damaged",
+                 "correction chunk"};
 }
 
 RasterFile::RasterFile(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -229,7 +249,8 @@ RasterFile::RasterFile(RasterFile&&) noexcept = default;
 RasterFile& RasterFile::operator=(RasterFile&&) noexcept = default;
 RasterFile::~RasterFile() = default;
 
-Result<RasterFile> RasterFile::open_prefix(std::vector<std::uint8_t> bytes, std::uint64_t file_size) {
+Result<RasterFile> RasterFile::open_prefix(std::vector<std::uint8_t> bytes,
+                                           std::uint64_t file_size) {
     auto state = std::make_unique<State>();
     state->bytes = std::move(bytes);
     RELIEF_TRY(state->container, ContainerReader::open(state->bytes, file_size));
@@ -244,33 +265,55 @@ Result<RasterFile> RasterFile::open(std::vector<std::uint8_t> bytes) {
     if (size == file.size()) return file;
     return Error{ErrorCode::BadFile,
                  "is cut off: " + std::to_string(size) + " of " + std::to_string(file.size()) +
-                     " bytes are there; 'decode --bytes " + std::to_string(size) + "' reads what is left",
+                     " bytes are there; 'decode --bytes " + std::to_string(size) +
+                     "' reads what is left",
                  ""};
 }
 
-const Raster& RasterFile::description() const { return state_->header.description; }
-const PyramidLayout& RasterFile::layout() const { return state_->layout; }
-const std::vector<Move>& RasterFile::moves() const { return state_->moves; }
-const Grid<std::uint8_t>& RasterFile::mask() const { return state_->mask; }
-Goal RasterFile::goal() const { return state_->header.goal; }
-double RasterFile::max_error() const { return state_->header.max_error; }
-double RasterFile::rms_error() const { return state_->header.rms_error; }
+const Raster& RasterFile::description() const {
+    return state_->header.description;
+}
+const PyramidLayout& RasterFile::layout() const {
+    return state_->layout;
+}
+const std::vector<Move>& RasterFile::moves() const {
+    return state_->moves;
+}
+const Grid<std::uint8_t>& RasterFile::mask() const {
+    return state_->mask;
+}
+Goal RasterFile::goal() const {
+    return state_->header.goal;
+}
+double RasterFile::max_error() const {
+    return state_->header.max_error;
+}
+double RasterFile::rms_error() const {
+    return state_->header.rms_error;
+}
 
-int RasterFile::version() const { return kContainerVersion; }
-std::uint64_t RasterFile::size() const { return state_->container->complete_size(); }
+int RasterFile::version() const {
+    return kContainerVersion;
+}
+std::uint64_t RasterFile::size() const {
+    return state_->container->complete_size();
+}
 bool RasterFile::checksums_ok() const {
-    return state_->container->complete_chunks() == state_->container->chunks().size() && state_->container->checksums_ok();
+    return state_->container->complete_chunks() == state_->container->chunks().size() &&
+           state_->container->checksums_ok();
 }
 
 std::vector<BandInfo> RasterFile::bands() const {
     std::vector<BandInfo> bands;
     for (const multires::BandLayout& band : layout().bands) bands.push_back({band, 0});
     for (int number = 0; number < state_->complete_levels; ++number) {
-        const auto data = state_->container->chunk(state_->level_chunks[static_cast<std::size_t>(number)]);
+        const auto data =
+            state_->container->chunk(state_->level_chunks[static_cast<std::size_t>(number)]);
         if (!data.ok()) continue;
         ByteReader in(*data);
         for (BandInfo& band : bands)
-            if (chunk_of(layout(), band.layout) == number) band.step = static_cast<double>(in.f32());
+            if (chunk_of(layout(), band.layout) == number)
+                band.step = static_cast<double>(in.f32());
     }
     return bands;
 }
@@ -278,12 +321,14 @@ std::vector<BandInfo> RasterFile::bands() const {
 std::vector<ChunkSummary> RasterFile::chunks() const {
     std::vector<ChunkSummary> chunks;
     for (const ChunkInfo& chunk : state_->container->chunks())
-        chunks.push_back({std::string(chunk_kind_name(chunk.kind)), static_cast<int>(chunk.level), chunk.length, chunk.bound,
-                          chunk.rms});
+        chunks.push_back({std::string(chunk_kind_name(chunk.kind)), static_cast<int>(chunk.level),
+                          chunk.length, chunk.bound, chunk.rms});
     return chunks;
 }
 
-int RasterFile::finest_level() const { return layout().levels() + 1 - state_->complete_levels; }
+int RasterFile::finest_level() const {
+    return layout().levels() + 1 - state_->complete_levels;
+}
 
 std::optional<double> RasterFile::bound(int level) const {
     if (edited()) return {};
@@ -304,23 +349,26 @@ std::uint64_t RasterFile::bytes_for(int level) const {
     }
     if (level != 0) return end;
     for (std::size_t k = 0; k < chunks.size(); ++k)
-        if (state_->container->complete(k)) end = std::max(end, chunks[k].offset + chunks[k].length);
+        if (state_->container->complete(k))
+            end = std::max(end, chunks[k].offset + chunks[k].length);
     return end;
 }
 
 Result<LevelCoefficients<double>> RasterFile::coefficients(int level) const {
     if (level < 0 || level > layout().levels())
         return Error{ErrorCode::InvalidArgument,
-                     "there is no level " + std::to_string(level) + "; the file has levels 0 (finest) to " +
-                         std::to_string(layout().levels()),
+                     "there is no level " + std::to_string(level) +
+                         "; the file has levels 0 (finest) to " + std::to_string(layout().levels()),
                      ""};
     RELIEF_TRY(LevelCoefficients<double> result, state_->base_coefficients(level));
-    if (edited()) add(result.planes, multires::displacement<double>(layout(), moves(), level).planes);
+    if (edited())
+        add(result.planes, multires::displacement<double>(layout(), moves(), level).planes);
     return result;
 }
 
 Result<Planes<double>> RasterFile::control_net() const {
-    const bool corrected = state_->correction_chunk && state_->container->complete(*state_->correction_chunk);
+    const bool corrected =
+        state_->correction_chunk && state_->container->complete(*state_->correction_chunk);
     if (!corrected) {
         RELIEF_TRY(LevelCoefficients<double> finest, coefficients(0));
         return std::move(finest.planes);
@@ -330,7 +378,8 @@ Result<Planes<double>> RasterFile::control_net() const {
     if (spec.order > 1 && spec.data_map != multires::DataMap::Coefficients)
         for (Grid<double>& plane : net) {
             Grid<double> solved(plane.rows(), plane.cols());
-            RELIEF_CHECK(spline::interpolate_lattice<double>(spec.order, plane.view(), solved.view()));
+            RELIEF_CHECK(
+                spline::interpolate_lattice<double>(spec.order, plane.view(), solved.view()));
             plane = std::move(solved);
         }
     if (edited()) add(net, multires::displacement<double>(layout(), moves(), 0).planes);
@@ -360,27 +409,31 @@ Result<Raster> RasterFile::decode(int level) const {
     if (!state_->mask.empty()) {
         result.mask = Grid<std::uint8_t>(result.rows, result.cols);
         for (std::int64_t r = 0; r < result.rows; ++r)
-            for (std::int64_t c = 0; c < result.cols; ++c) result.mask(r, c) = state_->mask(r * step, c * step);
+            for (std::int64_t c = 0; c < result.cols; ++c)
+                result.mask(r, c) = state_->mask(r * step, c * step);
     }
     for (Grid<double>& plane : samples)
         parallel_for(0, plane.rows(), 32, [&](std::int64_t first, std::int64_t last) {
             for (std::int64_t r = first; r < last; ++r)
                 for (std::int64_t c = 0; c < plane.cols(); ++c)
-                    plane(r, c) = result.valid(r, c) ? stored_value(plane(r, c), about.type, about.nodata)
-                                                     : std::numeric_limits<double>::quiet_NaN();
+                    plane(r, c) = result.valid(r, c)
+                                      ? stored_value(plane(r, c), about.type, about.nodata)
+                                      : std::numeric_limits<double>::quiet_NaN();
         });
     result.planes = std::move(samples);
     return result;
 }
 
-Result<std::vector<std::uint8_t>> add_moves(std::span<const std::uint8_t> file, const std::vector<Move>& moves) {
+Result<std::vector<std::uint8_t>> add_moves(std::span<const std::uint8_t> file,
+                                            const std::vector<Move>& moves) {
     RELIEF_TRY(const RasterFile opened,
                RasterFile::open(std::vector<std::uint8_t>(file.begin(), file.end())));
     std::vector<Move> all = opened.moves();
     for (const Move& move : moves) {
         RELIEF_CHECK(multires::check_move(opened.layout(), move));
         if (!is_displacement(move))
-            return Error{ErrorCode::InvalidArgument, "a displacement is not a number of at most 1e300", ""};
+            return Error{ErrorCode::InvalidArgument,
+                         "a displacement is not a number of at most 1e300", ""};
         all.push_back(move);
     }
     RELIEF_TRY(const ContainerReader reader, ContainerReader::open(file, file.size()));
@@ -388,7 +441,8 @@ Result<std::vector<std::uint8_t>> add_moves(std::span<const std::uint8_t> file, 
     for (std::size_t k = 0; k < reader.chunks().size(); ++k) {
         const ChunkInfo& chunk = reader.chunks()[k];
         if (chunk.kind == ChunkKind::Edits) continue;
-        if (chunk.kind == ChunkKind::Scaling) RELIEF_CHECK(writer.add({.kind = ChunkKind::Edits}, write_moves(all)));
+        if (chunk.kind == ChunkKind::Scaling)
+            RELIEF_CHECK(writer.add({.kind = ChunkKind::Edits}, write_moves(all)));
         RELIEF_TRY(const auto data, reader.chunk(k));
         RELIEF_CHECK(writer.add(chunk, data));
     }

@@ -11,7 +11,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::array<std::string_view, 5> kGoals = {"keep", "rms-error", "max-error", "bytes", "lossless"};
+constexpr std::array<std::string_view, 5> kGoals = {"keep", "rms-error", "max-error", "bytes",
+                                                    "lossless"};
 
 /// JSON has no NaN or infinity.
 Json number(double value) {
@@ -21,7 +22,8 @@ Json number(double value) {
 }
 
 Error bad(const std::string& what) {
-    return Error{ErrorCode::BadFile, what + "; the file is damaged or not a relief raster", "header"};
+    return Error{ErrorCode::BadFile, what + "; the file is damaged or not a relief raster",
+                 "header"};
 }
 
 /// Reads members of one JSON object; the first that is wrong is remembered.
@@ -112,7 +114,8 @@ Status read_georeference(const Json& json, GeoReference& geo) {
 }
 
 Json scheme_json(const multires::SchemeSpec& spec) {
-    Json json{{"name", multires::scheme_name(spec.id)}, {"order", spec.order}, {"levels", spec.levels}};
+    Json json{
+        {"name", multires::scheme_name(spec.id)}, {"order", spec.order}, {"levels", spec.levels}};
     if (spec.id == multires::SchemeId::Barycentric) {
         json["family"] = multires::family_name(spec.family);
         if (spec.dual_order != 0) json["dual"] = spec.dual_order;
@@ -131,7 +134,8 @@ Status read_scheme(const Json& json, multires::SchemeSpec& spec) {
     const auto map = reader.get<std::string>("map", "interpolate");
     RELIEF_CHECK(reader.status());
     const auto newer = [](const Error& error) {
-        return Error{ErrorCode::Unsupported, error.message + "; a newer version of relief may read it", "header"};
+        return Error{ErrorCode::Unsupported,
+                     error.message + "; a newer version of relief may read it", "header"};
     };
     const auto scheme = multires::scheme_from_name(name);
     if (!scheme.ok()) return newer(scheme.error());
@@ -176,7 +180,8 @@ Status read_description(const Json& json, RasterHeader& header) {
     if (!type.ok()) return bad(type.error().message);
     if (raster.rows < 1 || raster.cols < 1 || raster.rows > INT32_MAX || raster.cols > INT32_MAX)
         return bad("the raster size is out of range");
-    if (header.components < 1 || header.components > 4) return bad("the number of components is not 1 to 4");
+    if (header.components < 1 || header.components > 4)
+        return bad("the number of components is not 1 to 4");
     raster.type = *type;
     RELIEF_CHECK(read_georeference(reader.object("georeference"), raster.geo));
     return read_names(json, raster);
@@ -184,27 +189,32 @@ Status read_description(const Json& json, RasterHeader& header) {
 
 }  // namespace
 
-std::string_view goal_name(Goal::Kind kind) { return kGoals[static_cast<std::size_t>(kind)]; }
+std::string_view goal_name(Goal::Kind kind) {
+    return kGoals[static_cast<std::size_t>(kind)];
+}
 
 std::string write_header(const RasterHeader& header) {
     const Raster& raster = header.description;
-    Json json{{"content", "raster"},
-              {"rows", raster.rows},
-              {"cols", raster.cols},
-              {"type", sample_type_name(raster.type)},
-              {"scheme", scheme_json(header.spec)},
-              {"goal", Json{{"kind", goal_name(header.goal.kind)}, {"value", number(header.goal.value)}}},
-              {"error", Json{{"max", number(header.max_error)}, {"rms", number(header.rms_error)}}}};
+    Json json{
+        {"content", "raster"},
+        {"rows", raster.rows},
+        {"cols", raster.cols},
+        {"type", sample_type_name(raster.type)},
+        {"scheme", scheme_json(header.spec)},
+        {"goal", Json{{"kind", goal_name(header.goal.kind)}, {"value", number(header.goal.value)}}},
+        {"error", Json{{"max", number(header.max_error)}, {"rms", number(header.rms_error)}}}};
     if (header.components != 1) json["components"] = header.components;
     if (header.has_mask) json["mask"] = true;
     if (raster.nodata) json["nodata"] = number(*raster.nodata);
-    if (Json geo = georeference_json(raster.geo); !geo.empty()) json["georeference"] = std::move(geo);
+    if (Json geo = georeference_json(raster.geo); !geo.empty())
+        json["georeference"] = std::move(geo);
     if (!raster.unit.empty()) json["unit"] = raster.unit;
     if (raster.scale != 1) json["scale"] = number(raster.scale);
     if (raster.offset != 0) json["offset"] = number(raster.offset);
     if (!raster.band_names.empty()) json["bands"] = raster.band_names;
     if (!raster.metadata.empty()) json["metadata"] = raster.metadata;
-    // Names may come from files in any encoding: bytes that are not UTF-8 are replaced, not thrown at.
+    // Names may come from files in any encoding: bytes that are not UTF-8 are replaced, not thrown
+    // at.
     return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -219,7 +229,8 @@ Result<RasterHeader> read_header(const std::string& text) {
     const Json& error_json = reader.object("error");
     RELIEF_CHECK(reader.status());
     if (content != "raster")
-        return Error{ErrorCode::Unsupported, "holds '" + content + "', this version reads rasters only", "header"};
+        return Error{ErrorCode::Unsupported,
+                     "holds '" + content + "', this version reads rasters only", "header"};
     RELIEF_CHECK(read_description(json, header));
     RELIEF_CHECK(read_scheme(scheme, header.spec));
     Reader goal(goal_json);

@@ -23,7 +23,8 @@ struct RasterHeader {
 /// JSON text. Members with their default values are left out.
 [[nodiscard]] std::string write_header(const RasterHeader& header);
 
-/// Errors: BadFile naming the member that is missing, of the wrong type or out of range; Unsupported for other contents.
+/// Errors: BadFile naming the member that is missing, of the wrong type or out of range;
+/// Unsupported for other contents.
 [[nodiscard]] Result<RasterHeader> read_header(const std::string& json);
 
 }  // namespace relief::codec

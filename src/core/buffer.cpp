@@ -27,6 +27,8 @@ void* allocate_aligned(std::size_t bytes) {
     return block;
 }
 
-void free_aligned(void* block) noexcept { std::free(block); }
+void free_aligned(void* block) noexcept {
+    std::free(block);
+}
 
 }  // namespace relief::detail

@@ -16,7 +16,9 @@ namespace {
 std::atomic<int> g_threads{0};
 }
 
-void set_thread_count(int threads) { g_threads = std::max(0, threads); }
+void set_thread_count(int threads) {
+    g_threads = std::max(0, threads);
+}
 
 int thread_count() {
     const int wanted = g_threads;
@@ -25,8 +27,8 @@ int thread_count() {
 
 namespace detail {
 
-void parallel_for_blocks(std::int64_t begin, std::int64_t end, std::int64_t grain, RangeFunction run,
-                         void* context) {
+void parallel_for_blocks(std::int64_t begin, std::int64_t end, std::int64_t grain,
+                         RangeFunction run, void* context) {
     if (begin >= end) return;
     grain = std::max<std::int64_t>(1, grain);
     const std::int64_t blocks = (end - begin + grain - 1) / grain;
@@ -39,7 +41,8 @@ void parallel_for_blocks(std::int64_t begin, std::int64_t end, std::int64_t grai
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                         static_cast<std::size_t>(thread_count()));
         tbb::task_arena arena(thread_count());
-        arena.execute([&] { tbb::parallel_for(std::int64_t{0}, blocks, block, tbb::simple_partitioner()); });
+        arena.execute(
+            [&] { tbb::parallel_for(std::int64_t{0}, blocks, block, tbb::simple_partitioner()); });
         return;
     }
 #endif

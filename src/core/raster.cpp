@@ -79,8 +79,10 @@ Result<SampleType> sample_type_from_name(std::string_view name) {
     const auto found = std::find(kNames.begin(), kNames.end(), name);
     if (found != kNames.end()) return static_cast<SampleType>(found - kNames.begin());
     std::string known;
-    for (const std::string_view type : kNames) known += (known.empty() ? "" : ", ") + std::string(type);
-    return Error{ErrorCode::InvalidArgument, "no sample type '" + std::string(name) + "'; choose one of " + known, ""};
+    for (const std::string_view type : kNames)
+        known += (known.empty() ? "" : ", ") + std::string(type);
+    return Error{ErrorCode::InvalidArgument,
+                 "no sample type '" + std::string(name) + "'; choose one of " + known, ""};
 }
 
 bool is_integer(SampleType type) {
@@ -122,7 +124,8 @@ void stored_row(const double* values, std::int64_t n, SampleType type, std::opti
 std::int64_t Raster::valid_count() const {
     if (mask.empty()) return rows * cols;
     std::int64_t count = 0;
-    for (std::int64_t r = 0; r < rows; ++r) count += std::count_if(mask.row(r), mask.row(r) + cols, [](auto m) { return m != 0; });
+    for (std::int64_t r = 0; r < rows; ++r)
+        count += std::count_if(mask.row(r), mask.row(r) + cols, [](auto m) { return m != 0; });
     return count;
 }
 

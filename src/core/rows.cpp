@@ -62,7 +62,8 @@ void fir(T* HWY_RESTRICT out, std::int64_t n, const RowTap<T>* taps, int count) 
 }
 
 template <class T>
-void split(const T* HWY_RESTRICT src, std::int64_t pairs, T* HWY_RESTRICT even, T* HWY_RESTRICT odd) {
+void split(const T* HWY_RESTRICT src, std::int64_t pairs, T* HWY_RESTRICT even,
+           T* HWY_RESTRICT odd) {
     const hn::ScalableTag<T> d;
     const auto lanes = static_cast<std::int64_t>(hn::Lanes(d));
     std::int64_t k = 0;
@@ -80,7 +81,8 @@ void split(const T* HWY_RESTRICT src, std::int64_t pairs, T* HWY_RESTRICT even, 
 }
 
 template <class T>
-void merge(const T* HWY_RESTRICT even, const T* HWY_RESTRICT odd, std::int64_t pairs, T* HWY_RESTRICT dst) {
+void merge(const T* HWY_RESTRICT even, const T* HWY_RESTRICT odd, std::int64_t pairs,
+           T* HWY_RESTRICT dst) {
     const hn::ScalableTag<T> d;
     const auto lanes = static_cast<std::int64_t>(hn::Lanes(d));
     std::int64_t k = 0;
@@ -111,12 +113,22 @@ void butterfly(const T* a, const T* b, std::int64_t n, T* sum, T* difference) {
     }
 }
 
-#define RELIEF_ROW_KERNELS(T, S)                                                                         \
-    void fir_##S(T* o, std::int64_t n, const RowTap<T>* t, int c) { fir<false, T>(o, n, t, c); }          \
-    void fir_add_##S(T* o, std::int64_t n, const RowTap<T>* t, int c) { fir<true, T>(o, n, t, c); }       \
-    void split_##S(const T* s, std::int64_t n, T* e, T* o) { split(s, n, e, o); }                         \
-    void merge_##S(const T* e, const T* o, std::int64_t n, T* d) { merge(e, o, n, d); }                   \
-    void butterfly_##S(const T* a, const T* b, std::int64_t n, T* s, T* d) { butterfly(a, b, n, s, d); }
+#define RELIEF_ROW_KERNELS(T, S)                                             \
+    void fir_##S(T* o, std::int64_t n, const RowTap<T>* t, int c) {          \
+        fir<false, T>(o, n, t, c);                                           \
+    }                                                                        \
+    void fir_add_##S(T* o, std::int64_t n, const RowTap<T>* t, int c) {      \
+        fir<true, T>(o, n, t, c);                                            \
+    }                                                                        \
+    void split_##S(const T* s, std::int64_t n, T* e, T* o) {                 \
+        split(s, n, e, o);                                                   \
+    }                                                                        \
+    void merge_##S(const T* e, const T* o, std::int64_t n, T* d) {           \
+        merge(e, o, n, d);                                                   \
+    }                                                                        \
+    void butterfly_##S(const T* a, const T* b, std::int64_t n, T* s, T* d) { \
+        butterfly(a, b, n, s, d);                                            \
+    }
 RELIEF_ROW_KERNELS(float, f)
 RELIEF_ROW_KERNELS(double, d)
 #undef RELIEF_ROW_KERNELS
@@ -152,8 +164,12 @@ void fir_add_scalar(T* out, std::int64_t n, const RowTap<T>* taps, int count) {
 
 }  // namespace
 
-void set_simd_enabled(bool enabled) { g_simd = enabled; }
-bool simd_enabled() { return g_simd; }
+void set_simd_enabled(bool enabled) {
+    g_simd = enabled;
+}
+bool simd_enabled() {
+    return g_simd;
+}
 
 std::string simd_target() {
     if (!simd_enabled()) return "scalar";
@@ -161,40 +177,41 @@ std::string simd_target() {
     return hwy::TargetName(best & -best);
 }
 
-#define RELIEF_EXPORT(T, S)                                                                              \
-    HWY_EXPORT(fir_##S);                                                                                 \
-    HWY_EXPORT(fir_add_##S);                                                                             \
-    HWY_EXPORT(split_##S);                                                                               \
-    HWY_EXPORT(merge_##S);                                                                               \
-    HWY_EXPORT(butterfly_##S);                                                                           \
-    template <>                                                                                          \
-    void row_fir(T* out, std::int64_t n, const RowTap<T>* taps, int count) {                             \
-        g_simd ? HWY_DYNAMIC_DISPATCH(fir_##S)(out, n, taps, count) : fir_scalar(out, n, taps, count);    \
-    }                                                                                                    \
-    template <>                                                                                          \
-    void row_fir_add(T* out, std::int64_t n, const RowTap<T>* taps, int count) {                         \
-        g_simd ? HWY_DYNAMIC_DISPATCH(fir_add_##S)(out, n, taps, count)                                   \
-               : fir_add_scalar(out, n, taps, count);                                                     \
-    }                                                                                                    \
-    template <>                                                                                          \
-    void row_split(const T* src, std::int64_t pairs, T* even, T* odd) {                                  \
-        if (g_simd) return HWY_DYNAMIC_DISPATCH(split_##S)(src, pairs, even, odd);                       \
-        for (std::int64_t k = 0; k < pairs; ++k) even[k] = src[2 * k], odd[k] = src[2 * k + 1];          \
-    }                                                                                                    \
-    template <>                                                                                          \
-    void row_merge(const T* even, const T* odd, std::int64_t pairs, T* dst) {                            \
-        if (g_simd) return HWY_DYNAMIC_DISPATCH(merge_##S)(even, odd, pairs, dst);                       \
-        for (std::int64_t k = 0; k < pairs; ++k) dst[2 * k] = even[k], dst[2 * k + 1] = odd[k];          \
-    }                                                                                                    \
-    template <>                                                                                          \
-    void row_butterfly(const T* a, const T* b, std::int64_t n, T* sum, T* difference) {                  \
-        if (g_simd) return HWY_DYNAMIC_DISPATCH(butterfly_##S)(a, b, n, sum, difference);                \
-        for (std::int64_t k = 0; k < n; ++k) {                                                           \
-            const T x = a[k];                                                                            \
-            const T y = b[k];                                                                            \
-            sum[k] = x + y;                                                                              \
-            difference[k] = x - y;                                                                       \
-        }                                                                                                \
+#define RELIEF_EXPORT(T, S)                                                                     \
+    HWY_EXPORT(fir_##S);                                                                        \
+    HWY_EXPORT(fir_add_##S);                                                                    \
+    HWY_EXPORT(split_##S);                                                                      \
+    HWY_EXPORT(merge_##S);                                                                      \
+    HWY_EXPORT(butterfly_##S);                                                                  \
+    template <>                                                                                 \
+    void row_fir(T* out, std::int64_t n, const RowTap<T>* taps, int count) {                    \
+        g_simd ? HWY_DYNAMIC_DISPATCH(fir_##S)(out, n, taps, count)                             \
+               : fir_scalar(out, n, taps, count);                                               \
+    }                                                                                           \
+    template <>                                                                                 \
+    void row_fir_add(T* out, std::int64_t n, const RowTap<T>* taps, int count) {                \
+        g_simd ? HWY_DYNAMIC_DISPATCH(fir_add_##S)(out, n, taps, count)                         \
+               : fir_add_scalar(out, n, taps, count);                                           \
+    }                                                                                           \
+    template <>                                                                                 \
+    void row_split(const T* src, std::int64_t pairs, T* even, T* odd) {                         \
+        if (g_simd) return HWY_DYNAMIC_DISPATCH(split_##S)(src, pairs, even, odd);              \
+        for (std::int64_t k = 0; k < pairs; ++k) even[k] = src[2 * k], odd[k] = src[2 * k + 1]; \
+    }                                                                                           \
+    template <>                                                                                 \
+    void row_merge(const T* even, const T* odd, std::int64_t pairs, T* dst) {                   \
+        if (g_simd) return HWY_DYNAMIC_DISPATCH(merge_##S)(even, odd, pairs, dst);              \
+        for (std::int64_t k = 0; k < pairs; ++k) dst[2 * k] = even[k], dst[2 * k + 1] = odd[k]; \
+    }                                                                                           \
+    template <>                                                                                 \
+    void row_butterfly(const T* a, const T* b, std::int64_t n, T* sum, T* difference) {         \
+        if (g_simd) return HWY_DYNAMIC_DISPATCH(butterfly_##S)(a, b, n, sum, difference);       \
+        for (std::int64_t k = 0; k < n; ++k) {                                                  \
+            const T x = a[k];                                                                   \
+            const T y = b[k];                                                                   \
+            sum[k] = x + y;                                                                     \
+            difference[k] = x - y;                                                              \
+        }                                                                                       \
     }
 RELIEF_EXPORT(float, f)
 RELIEF_EXPORT(double, d)

@@ -22,21 +22,33 @@ constexpr std::int64_t kTileCols = 512;
 constexpr std::int64_t kDivisionCols = 1024;
 constexpr int kDivisionRows = 8;
 
-std::int64_t floor_half(std::int64_t n) { return n >> 1; }
-std::int64_t ceil_half(std::int64_t n) { return (n + 1) >> 1; }
-int parity(std::int64_t n) { return static_cast<int>(n & 1); }
+std::int64_t floor_half(std::int64_t n) {
+    return n >> 1;
+}
+std::int64_t ceil_half(std::int64_t n) {
+    return (n + 1) >> 1;
+}
+int parity(std::int64_t n) {
+    return static_cast<int>(n & 1);
+}
 
 /// low and high as taps of T over their common reach.
 template <class T>
 struct FilterPair {
     FilterPair(const Sequence& low, const Sequence& high)
-        : first{low.first, high.first}, lo(std::min(low.first, high.first)), hi(std::max(low.last(), high.last())) {
+        : first{low.first, high.first},
+          lo(std::min(low.first, high.first)),
+          hi(std::max(low.last(), high.last())) {
         taps[0].assign(low.taps.begin(), low.taps.end());
         taps[1].assign(high.taps.begin(), high.taps.end());
     }
     [[nodiscard]] int begin(int which) const { return first[which]; }
-    [[nodiscard]] int end(int which) const { return first[which] + static_cast<int>(taps[which].size()); }
-    [[nodiscard]] T at(int which, int n) const { return taps[which][static_cast<std::size_t>(n - first[which])]; }
+    [[nodiscard]] int end(int which) const {
+        return first[which] + static_cast<int>(taps[which].size());
+    }
+    [[nodiscard]] T at(int which, int n) const {
+        return taps[which][static_cast<std::size_t>(n - first[which])];
+    }
     [[nodiscard]] int depth() const { return hi - lo + 1; }
 
     std::array<std::vector<T>, 2> taps;
@@ -45,12 +57,16 @@ struct FilterPair {
     int hi;
 };
 
-/// A ring of rows addressed by their lattice row; `lanes` rows of `width` elements each belong to one lattice row.
+/// A ring of rows addressed by their lattice row; `lanes` rows of `width` elements each belong to
+/// one lattice row.
 template <class T>
 class RowRing {
   public:
     RowRing(int depth, int lanes, std::int64_t width)
-        : depth_(depth), lanes_(lanes), width_(width + 16), rows_(static_cast<std::size_t>(depth * lanes * width_)) {}
+        : depth_(depth),
+          lanes_(lanes),
+          width_(width + 16),
+          rows_(static_cast<std::size_t>(depth * lanes * width_)) {}
     T* row(std::int64_t r, int lane) {
         const std::int64_t slot = (r % depth_ + depth_) % depth_;
         return rows_.data() + (slot * lanes_ + lane) * width_;
@@ -126,7 +142,8 @@ class AnalysisTile {
     void filter_e1(std::int64_t r) {
         for (int x = 0; x < 2; ++x)
             for (int odd = 0; odd < 2; ++odd) {
-                for (int n = f_.begin(x); n < f_.end(x); ++n) list_.add(input_.row(r + n, odd), f_.at(x, n));
+                for (int n = f_.begin(x); n < f_.end(x); ++n)
+                    list_.add(input_.row(r + n, odd), f_.at(x, n));
                 list_.run(s_.row(0, 2 * x + odd), ne_);
             }
     }
@@ -138,7 +155,8 @@ class AnalysisTile {
             const int y = xy & 1;
             for (int n = f_.begin(y); n < f_.end(y); ++n) {
                 const int column = parity(r) + n;
-                list_.add(s_.row(0, 2 * x + parity(column)) + (h0_ - e0_) + floor_half(column), f_.at(y, n));
+                list_.add(s_.row(0, 2 * x + parity(column)) + (h0_ - e0_) + floor_half(column),
+                          f_.at(y, n));
             }
             list_.run(t_.row(r, xy), nh_);
         }
@@ -156,7 +174,8 @@ class AnalysisTile {
             const int z = static_cast<int>(letters[2]);
             for (int n = f_.begin(z); n < f_.end(z); ++n) {
                 const std::int64_t r = 2 * row - n;
-                list_.add(t_.row(r, xy) + (begin - h0_) - floor_half(n + parity(r)), scale_ * f_.at(z, n));
+                list_.add(t_.row(r, xy) + (begin - h0_) - floor_half(n + parity(r)),
+                          scale_ * f_.at(z, n));
             }
             T* out = channel.view.row(row - box.row0) + (begin - box.col0);
             const bool streamed = c > 0 && details_ == Traffic::Streamed;
@@ -216,7 +235,8 @@ class SynthesisTile {
   private:
     static constexpr std::int64_t kNoRow = INT64_MIN;
 
-    /// Row x of a channel from column c0_ on, padded with zeros where the band ends; null when the row does not exist.
+    /// Row x of a channel from column c0_ on, padded with zeros where the band ends; null when the
+    /// row does not exist.
     const T* coarse_row(int c, std::int64_t x) {
         const Channel<const T>& channel = channels_[static_cast<std::size_t>(c)];
         const LatticeBox& box = channel.box;
@@ -225,7 +245,8 @@ class SynthesisTile {
         if (c0_ >= box.col0 && c0_ + nc_ <= box.col0 + box.cols) return row + (c0_ - box.col0);
         T* copy = padded_.row(x, c);
         const std::int64_t slots = f_.depth() / 2 + 2;
-        std::int64_t& held = padded_row_[static_cast<std::size_t>(((x % slots) + slots) % slots * 8 + c)];
+        std::int64_t& held =
+            padded_row_[static_cast<std::size_t>(((x % slots) + slots) % slots * 8 + c)];
         if (held == x) return copy;
         held = x;
         const std::int64_t begin = std::clamp<std::int64_t>(box.col0 - c0_, 0, nc_);
@@ -261,7 +282,8 @@ class SynthesisTile {
                     for (int n = f_.begin(y); n < f_.end(y); ++n) {
                         const std::int64_t twice = odd - n - parity(r);
                         if (parity(twice) != 0) continue;
-                        list_.add(u_.row(0, 2 * x + y) + (pairs_.col0 - h0_) + floor_half(twice), f_.at(y, n));
+                        list_.add(u_.row(0, 2 * x + y) + (pairs_.col0 - h0_) + floor_half(twice),
+                                  f_.at(y, n));
                     }
                 list_.run(v_.row(r, 2 * x + odd), pairs_.cols);
             }
@@ -302,7 +324,8 @@ class SynthesisTile {
 
 /// Calls fn(tile) for the tiles of `whole`, in parallel; borders depend on `whole` only.
 template <class Function>
-void for_each_tile(const LatticeBox& whole, std::int64_t tile_rows, std::int64_t tile_cols, Function&& fn) {
+void for_each_tile(const LatticeBox& whole, std::int64_t tile_rows, std::int64_t tile_cols,
+                   Function&& fn) {
     const std::int64_t down = (whole.rows + tile_rows - 1) / tile_rows;
     const std::int64_t across = (whole.cols + tile_cols - 1) / tile_cols;
     parallel_for(0, down * across, 1, [&](std::int64_t first, std::int64_t last) {
@@ -379,7 +402,9 @@ void ExtendedRows<T>::fill(std::int64_t row, std::int64_t col0, std::int64_t n, 
     const Extended source = extend(row - box_.row0, box_.rows);
     const T* mirror = grid_.row(source.mirror);
     const T* edge = source.edge < 0 ? nullptr : grid_.row(source.edge);
-    const auto value = [&](std::int64_t c) { return edge ? T(2) * edge[c] - mirror[c] : mirror[c]; };
+    const auto value = [&](std::int64_t c) {
+        return edge ? T(2) * edge[c] - mirror[c] : mirror[c];
+    };
     const std::int64_t first = col0 - box_.col0;
     const std::int64_t inner_begin = std::clamp<std::int64_t>(-first, 0, n);
     const std::int64_t inner_end = std::clamp<std::int64_t>(box_.cols - first, inner_begin, n);
@@ -411,15 +436,17 @@ void ZeroRows<T>::fill(std::int64_t row, std::int64_t col0, std::int64_t n, T* o
 }
 
 template <class T>
-void analyse_level(const Sequence& low, const Sequence& high, double scale, const RowSource<T>& fine,
-                   const std::array<Channel<T>, 8>& channels) {
+void analyse_level(const Sequence& low, const Sequence& high, double scale,
+                   const RowSource<T>& fine, const std::array<Channel<T>, 8>& channels) {
     if (is_haar(low, high))
         return analyse_haar_level(static_cast<T>(scale * std::pow(low.taps[0], 3)), fine, channels);
     const FilterPair<T> filters(low, high);
     LatticeBox all = channels[0].box;
     for (const Channel<T>& channel : channels) {
-        const std::int64_t row_end = std::max(all.row0 + all.rows, channel.box.row0 + channel.box.rows);
-        const std::int64_t col_end = std::max(all.col0 + all.cols, channel.box.col0 + channel.box.cols);
+        const std::int64_t row_end =
+            std::max(all.row0 + all.rows, channel.box.row0 + channel.box.rows);
+        const std::int64_t col_end =
+            std::max(all.col0 + all.cols, channel.box.col0 + channel.box.cols);
         all.row0 = std::min(all.row0, channel.box.row0);
         all.col0 = std::min(all.col0, channel.box.col0);
         all.rows = row_end - all.row0;
@@ -432,13 +459,15 @@ void analyse_level(const Sequence& low, const Sequence& high, double scale, cons
 
 template <class T>
 void synthesise_level(const Sequence& low, const Sequence& high, double scale,
-                      const std::array<Channel<const T>, 8>& channels, const LatticeBox& box, GridView<T> fine) {
+                      const std::array<Channel<const T>, 8>& channels, const LatticeBox& box,
+                      GridView<T> fine) {
     if (is_haar(low, high))
         return synthesise_haar_level(static_cast<T>(scale * std::pow(low.taps[0], 3)), channels,
                                      fine);
     const FilterPair<T> filters(low, high);
     const std::int64_t first = floor_half(box.col0);
-    const LatticeBox pairs{box.row0, first, box.rows, floor_half(box.col0 + box.cols - 1) - first + 1};
+    const LatticeBox pairs{box.row0, first, box.rows,
+                           floor_half(box.col0 + box.cols - 1) - first + 1};
     for_each_tile(pairs, 2 * kTileRows, kTileCols, [&](const LatticeBox& tile) {
         SynthesisTile<T>(filters, static_cast<T>(scale), channels, tile, box, fine).run();
     });
@@ -465,13 +494,14 @@ void divide_by_symbol(const std::vector<double>& poles, double gain, GridView<T>
     });
 }
 
-#define RELIEF_INSTANTIATE(T)                                                                             \
-    template class ExtendedRows<T>;                                                                       \
-    template class ZeroRows<T>;                                                                           \
-    template void analyse_level(const Sequence&, const Sequence&, double, const RowSource<T>&,            \
-                                const std::array<Channel<T>, 8>&);                                        \
-    template void synthesise_level(const Sequence&, const Sequence&, double,                              \
-                                   const std::array<Channel<const T>, 8>&, const LatticeBox&, GridView<T>); \
+#define RELIEF_INSTANTIATE(T)                                                                  \
+    template class ExtendedRows<T>;                                                            \
+    template class ZeroRows<T>;                                                                \
+    template void analyse_level(const Sequence&, const Sequence&, double, const RowSource<T>&, \
+                                const std::array<Channel<T>, 8>&);                             \
+    template void synthesise_level(const Sequence&, const Sequence&, double,                   \
+                                   const std::array<Channel<const T>, 8>&, const LatticeBox&,  \
+                                   GridView<T>);                                               \
     template void divide_by_symbol(const std::vector<double>&, double, GridView<T>);
 RELIEF_INSTANTIATE(float)
 RELIEF_INSTANTIATE(double)

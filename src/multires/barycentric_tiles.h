@@ -31,7 +31,8 @@ class RowSource {
     LatticeBox box_;
 };
 
-/// The extension of the specification's section 5: c(-k) = 2 c(0) - c(k), first along rows (i), then along columns.
+/// The extension of the specification's section 5: c(-k) = 2 c(0) - c(k), first along rows (i),
+/// then along columns.
 template <class T>
 class ExtendedRows final : public RowSource<T> {
   public:
@@ -43,7 +44,8 @@ class ExtendedRows final : public RowSource<T> {
     using RowSource<T>::box_;
 };
 
-/// Zero outside the box: what the transpose of synthesis sees; or, with a box that is large enough, a plain copy.
+/// Zero outside the box: what the transpose of synthesis sees; or, with a box that is large enough,
+/// a plain copy.
 template <class T>
 class ZeroRows final : public RowSource<T> {
   public:
@@ -62,17 +64,21 @@ struct Channel {
     GridView<T> view;
 };
 
-/// channel_XYZ(x) = scale * sum X(l) Y(m) Z(n) fine(2x + l e1 + m e2 + n e3), X, Y, Z in {low, high} by the channel's letters.
+/// channel_XYZ(x) = scale * sum X(l) Y(m) Z(n) fine(2x + l e1 + m e2 + n e3), X, Y, Z in {low,
+/// high} by the channel's letters.
 template <class T>
-void analyse_level(const Sequence& low, const Sequence& high, double scale, const RowSource<T>& fine,
-                   const std::array<Channel<T>, 8>& channels);
+void analyse_level(const Sequence& low, const Sequence& high, double scale,
+                   const RowSource<T>& fine, const std::array<Channel<T>, 8>& channels);
 
-/// fine(y) = scale * sum over channels and x of X Y Z (y - 2x) channel_XYZ(x) on `box`: the transpose of analyse_level.
+/// fine(y) = scale * sum over channels and x of X Y Z (y - 2x) channel_XYZ(x) on `box`: the
+/// transpose of analyse_level.
 template <class T>
 void synthesise_level(const Sequence& low, const Sequence& high, double scale,
-                      const std::array<Channel<const T>, 8>& channels, const LatticeBox& box, GridView<T> fine);
+                      const std::array<Channel<const T>, 8>& channels, const LatticeBox& box,
+                      GridView<T> fine);
 
-/// In place grid <- D(z^2)^-1 grid along e1, e2 and e3, where D has these poles and this gain; zero outside the grid.
+/// In place grid <- D(z^2)^-1 grid along e1, e2 and e3, where D has these poles and this gain; zero
+/// outside the grid.
 template <class T>
 void divide_by_symbol(const std::vector<double>& poles, double gain, GridView<T> grid);
 

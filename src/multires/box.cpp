@@ -68,7 +68,8 @@ std::size_t curve_kind(const PyramidLayout& layout) {
     return layout.rows == 1 ? 1 : 0;
 }
 
-/// Runs step(level, fine, coarse) from the level above `first` up; the coarsest result is the scaling band.
+/// Runs step(level, fine, coarse) from the level above `first` up; the coarsest result is the
+/// scaling band.
 template <class T, class Step>
 void fine_to_coarse(GridView<const T> finest, int component, Pyramid<T>& out,
                     Workspace<T>& workspace, Step step, int first = 0) {

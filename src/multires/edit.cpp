@@ -19,7 +19,8 @@ void add(Grid<T>& to, const Grid<T>& from) {
 
 /// The moves of one level as a field of scaling coefficients.
 template <class T>
-LevelCoefficients<T> field_of(const PyramidLayout& layout, const std::vector<Move>& moves, int level) {
+LevelCoefficients<T> field_of(const PyramidLayout& layout, const std::vector<Move>& moves,
+                              int level) {
     LevelCoefficients<T> field;
     field.box = scaling_box(layout, level);
     for (int c = 0; c < layout.components; ++c) {
@@ -38,16 +39,17 @@ LevelCoefficients<T> field_of(const PyramidLayout& layout, const std::vector<Mov
 Status check_move(const PyramidLayout& layout, const Move& move) {
     if (move.level < 0 || move.level > layout.levels())
         return Error{ErrorCode::InvalidArgument,
-                     "there is no level " + std::to_string(move.level) + "; levels are 0 (finest) to " +
-                         std::to_string(layout.levels()),
+                     "there is no level " + std::to_string(move.level) +
+                         "; levels are 0 (finest) to " + std::to_string(layout.levels()),
                      ""};
     const LatticeBox box = scaling_box(layout, move.level);
     if (box.contains(move.row, move.col)) return {};
     return Error{ErrorCode::InvalidArgument,
-                 "there is no control coefficient (" + std::to_string(move.row) + ", " + std::to_string(move.col) +
-                     ") at level " + std::to_string(move.level) + "; rows are " + std::to_string(box.row0) + " to " +
-                     std::to_string(box.row0 + box.rows - 1) + ", columns " + std::to_string(box.col0) + " to " +
-                     std::to_string(box.col0 + box.cols - 1),
+                 "there is no control coefficient (" + std::to_string(move.row) + ", " +
+                     std::to_string(move.col) + ") at level " + std::to_string(move.level) +
+                     "; rows are " + std::to_string(box.row0) + " to " +
+                     std::to_string(box.row0 + box.rows - 1) + ", columns " +
+                     std::to_string(box.col0) + " to " + std::to_string(box.col0 + box.cols - 1),
                  ""};
 }
 
@@ -56,7 +58,9 @@ Status apply_moves(Pyramid<T>& pyramid, const std::vector<Move>& moves) {
     for (const Move& move : moves) RELIEF_CHECK(check_move(pyramid.layout, move));
     const PyramidLayout& layout = pyramid.layout;
     for (int level = layout.levels(); level >= 0; --level) {
-        if (std::none_of(moves.begin(), moves.end(), [&](const Move& m) { return m.level == level; })) continue;
+        if (std::none_of(moves.begin(), moves.end(),
+                         [&](const Move& m) { return m.level == level; }))
+            continue;
         // Analysis is linear: the bands above a move change by the analysis of the change alone.
         const LevelCoefficients<T> change = field_of<T>(layout, moves, level);
         auto difference = Pyramid<T>::allocate(layout);
@@ -70,14 +74,16 @@ Status apply_moves(Pyramid<T>& pyramid, const std::vector<Move>& moves) {
         }
         for (std::size_t k = 0; k < pyramid.bands.size(); ++k) {
             if (layout.bands[k].level <= level && layout.bands[k].channel != 0) continue;
-            for (std::size_t c = 0; c < change.planes.size(); ++c) add(pyramid.bands[k][c], difference.bands[k][c]);
+            for (std::size_t c = 0; c < change.planes.size(); ++c)
+                add(pyramid.bands[k][c], difference.bands[k][c]);
         }
     }
     return {};
 }
 
 template <class T>
-LevelCoefficients<T> displacement(const PyramidLayout& layout, const std::vector<Move>& moves, int level) {
+LevelCoefficients<T> displacement(const PyramidLayout& layout, const std::vector<Move>& moves,
+                                  int level) {
     LevelCoefficients<T> sum = field_of<T>(layout, moves, level);
     int coarsest = level;
     for (const Move& move : moves) coarsest = std::max(coarsest, move.level);
@@ -113,8 +119,8 @@ LatticeBox touched_box(const PyramidLayout& layout, const std::vector<Move>& mov
     return {top, left, bottom - top + 1, right - left + 1};
 }
 
-#define RELIEF_INSTANTIATE(T)                                                       \
-    template Status apply_moves(Pyramid<T>&, const std::vector<Move>&);             \
+#define RELIEF_INSTANTIATE(T)                                           \
+    template Status apply_moves(Pyramid<T>&, const std::vector<Move>&); \
     template LevelCoefficients<T> displacement(const PyramidLayout&, const std::vector<Move>&, int);
 RELIEF_INSTANTIATE(float)
 RELIEF_INSTANTIATE(double)

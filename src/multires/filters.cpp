@@ -30,10 +30,12 @@ Sequence spline_sequence(int d) {
     return p;
 }
 
-/// (-1)^n f(1 - n) * scale: the conjugate mirror that turns a low-pass sequence into its dual's high-pass one.
+/// (-1)^n f(1 - n) * scale: the conjugate mirror that turns a low-pass sequence into its dual's
+/// high-pass one.
 Sequence modulate(const Sequence& f, double scale) {
     Sequence g{1 - f.last(), {}};
-    for (int n = g.first; n <= 1 - f.first; ++n) g.taps.push_back((n % 2 == 0 ? scale : -scale) * f(1 - n));
+    for (int n = g.first; n <= 1 - f.first; ++n)
+        g.taps.push_back((n % 2 == 0 ? scale : -scale) * f(1 - n));
     return g;
 }
 
@@ -44,7 +46,8 @@ FilterBank compact_bank(int d, int dual) {
     Sequence sum{-(order - 1), std::vector<double>(static_cast<std::size_t>(2 * order - 1), 0.0)};
     for (int n = 0; n < order; ++n) {
         for (int k = power.first; k <= power.last(); ++k)
-            sum.taps[static_cast<std::size_t>(k - sum.first)] += binomial(order - 1 + n, n) * power(k);
+            sum.taps[static_cast<std::size_t>(k - sum.first)] +=
+                binomial(order - 1 + n, n) * power(k);
         power = convolve(power, s);
     }
     FilterBank bank;
@@ -82,8 +85,9 @@ Sequence chui_wang_sequence(int d) {
     return q;
 }
 
-/// Real roots inside the unit circle of the symmetric polynomial with the right half `half` (centre first): bisection of its
-/// cosine form on the negative axis, where every D of the family has all of its zeros.
+/// Real roots inside the unit circle of the symmetric polynomial with the right half `half` (centre
+/// first): bisection of its cosine form on the negative axis, where every D of the family has all
+/// of its zeros.
 std::vector<double> roots_inside(const std::vector<double>& half) {
     const auto value = [&](double z) {
         double sum = half[0];
@@ -145,11 +149,13 @@ FilterBank chui_wang_bank(int d) {
     return bank;
 }
 
-/// The taps printed in the paper's appendix B (specification section 4.4): exact synthesis, truncated analysis.
+/// The taps printed in the paper's appendix B (specification section 4.4): exact synthesis,
+/// truncated analysis.
 FilterBank truncated_bank(bool corrected) {
     const std::vector<double> a = {0.6830127, 0.3169873,  -0.1160254, -0.0849365, 0.0310889,
                                    0.0227587, -0.0083302, -0.0060982, 0.0022321,  0.0016340};
-    std::vector<double> b = {0.8660254, -0.3169873, -0.2320508, 0.0849365, 0.0621778, -0.0227587, -0.0166605};
+    std::vector<double> b = {0.8660254, -0.3169873, -0.2320508, 0.0849365,
+                             0.0621778, -0.0227587, -0.0166605};
     if (corrected)
         b.insert(b.end(), {0.0060982, 0.0044642});
     else
@@ -157,7 +163,8 @@ FilterBank truncated_bank(bool corrected) {
     const auto symmetric = [](const std::vector<double>& half, int centre) {
         const int reach = static_cast<int>(half.size()) - 1;
         Sequence s{centre - reach, {}};
-        for (int n = -reach; n <= reach; ++n) s.taps.push_back(half[static_cast<std::size_t>(std::abs(n))]);
+        for (int n = -reach; n <= reach; ++n)
+            s.taps.push_back(half[static_cast<std::size_t>(std::abs(n))]);
         return s;
     };
     FilterBank bank = chui_wang_bank(2);
@@ -183,40 +190,50 @@ constexpr std::array<std::array<bool, 3>, 8> kLetters = {{{false, false, false},
 Result<FilterBank> filter_bank(int order, Family family, int dual_order) {
     if (order < 1 || order > 4)
         return Error{ErrorCode::InvalidArgument,
-                     "order " + std::to_string(order) + " does not exist; scheme barycentric has orders 1 to 4", ""};
+                     "order " + std::to_string(order) +
+                         " does not exist; scheme barycentric has orders 1 to 4",
+                     ""};
     if (family == Family::SemiOrthogonal) return chui_wang_bank(order);
     if (family != Family::Compact) {
         if (order != 2)
-            return Error{ErrorCode::InvalidArgument, "the paper's truncated filters exist for order 2 only", ""};
+            return Error{ErrorCode::InvalidArgument,
+                         "the paper's truncated filters exist for order 2 only", ""};
         return truncated_bank(family == Family::TruncatedCorrect);
     }
     const int dual = dual_order == 0 ? order : dual_order;
     constexpr std::array<std::array<int, 2>, 9> pairs = {
         {{1, 1}, {1, 3}, {1, 5}, {2, 2}, {2, 4}, {3, 1}, {3, 3}, {4, 2}, {4, 4}}};
-    if (std::none_of(pairs.begin(), pairs.end(), [&](auto pair) { return pair[0] == order && pair[1] == dual; }))
+    if (std::none_of(pairs.begin(), pairs.end(),
+                     [&](auto pair) { return pair[0] == order && pair[1] == dual; }))
         return Error{ErrorCode::InvalidArgument,
-                     "dual order " + std::to_string(dual) + " does not exist for order " + std::to_string(order) +
-                         "; pairs are 1,1 1,3 1,5 2,2 2,4 3,1 3,3 4,2 4,4",
+                     "dual order " + std::to_string(dual) + " does not exist for order " +
+                         std::to_string(order) + "; pairs are 1,1 1,3 1,5 2,2 2,4 3,1 3,3 4,2 4,4",
                      ""};
     return compact_bank(order, dual);
 }
 
-std::array<bool, 3> channel_letters(int channel) { return kLetters[static_cast<std::size_t>(channel)]; }
+std::array<bool, 3> channel_letters(int channel) {
+    return kLetters[static_cast<std::size_t>(channel)];
+}
 
 const char* channel_name(int channel) {
-    constexpr std::array<const char*, 8> names = {"aaa", "aab", "aba", "baa", "abb", "bab", "bba", "bbb"};
+    constexpr std::array<const char*, 8> names = {"aaa", "aab", "aba", "baa",
+                                                  "abb", "bab", "bba", "bbb"};
     return names[static_cast<std::size_t>(channel)];
 }
 
 HexKernel project(const Sequence& f, const Sequence& g, const Sequence& h, double scale) {
     HexKernel kernel;
-    kernel.box = {f.first - h.last(), g.first - h.last(), f.last() - h.first - (f.first - h.last()) + 1,
+    kernel.box = {f.first - h.last(), g.first - h.last(),
+                  f.last() - h.first - (f.first - h.last()) + 1,
                   g.last() - h.first - (g.first - h.last()) + 1};
     kernel.taps.assign(static_cast<std::size_t>(kernel.box.count()), 0.0);
     std::size_t k = 0;
     for (auto i = static_cast<int>(kernel.box.row0); i < kernel.box.row0 + kernel.box.rows; ++i)
-        for (auto j = static_cast<int>(kernel.box.col0); j < kernel.box.col0 + kernel.box.cols; ++j, ++k)
-            for (int l = h.first; l <= h.last(); ++l) kernel.taps[k] += scale * f(i + l) * g(j + l) * h(l);
+        for (auto j = static_cast<int>(kernel.box.col0); j < kernel.box.col0 + kernel.box.cols;
+             ++j, ++k)
+            for (int l = h.first; l <= h.last(); ++l)
+                kernel.taps[k] += scale * f(i + l) * g(j + l) * h(l);
     return kernel;
 }
 

@@ -22,14 +22,17 @@ struct Named {
     std::string_view name;
 };
 
-constexpr std::array<Named<SchemeId>, 2> kSchemes = {{{SchemeId::Barycentric, "barycentric"}, {SchemeId::Box, "box"}}};
-constexpr std::array<Named<Family>, 4> kFamilies = {{{Family::Compact, "compact"},
-                                                     {Family::SemiOrthogonal, "semi-orthogonal"},
-                                                     {Family::TruncatedCorrect, "truncated"},
-                                                     {Family::TruncatedLiteral, "truncated-literal"}}};
-constexpr std::array<Named<DataMap>, 3> kDataMaps = {{{DataMap::Interpolate, "interpolate"},
-                                                      {DataMap::QuasiInterpolate, "quasi-interpolate"},
-                                                      {DataMap::Coefficients, "coefficients"}}};
+constexpr std::array<Named<SchemeId>, 2> kSchemes = {
+    {{SchemeId::Barycentric, "barycentric"}, {SchemeId::Box, "box"}}};
+constexpr std::array<Named<Family>, 4> kFamilies = {
+    {{Family::Compact, "compact"},
+     {Family::SemiOrthogonal, "semi-orthogonal"},
+     {Family::TruncatedCorrect, "truncated"},
+     {Family::TruncatedLiteral, "truncated-literal"}}};
+constexpr std::array<Named<DataMap>, 3> kDataMaps = {
+    {{DataMap::Interpolate, "interpolate"},
+     {DataMap::QuasiInterpolate, "quasi-interpolate"},
+     {DataMap::Coefficients, "coefficients"}}};
 
 template <class Table, class Id>
 std::string_view name_in(const Table& table, Id id) {
@@ -46,25 +49,29 @@ Result<Id> find_in(const Table& table, std::string_view name, const char* what) 
         known += (known.empty() ? "" : ", ") + std::string(entry.name);
     }
     return Error{ErrorCode::InvalidArgument,
-                 "unknown " + std::string(what) + " '" + std::string(name) + "'; known: " + known, ""};
+                 "unknown " + std::string(what) + " '" + std::string(name) + "'; known: " + known,
+                 ""};
 }
 
-Result<PyramidLayout> scheme_layout(const SchemeSpec& spec, std::int64_t rows, std::int64_t cols, int components) {
+Result<PyramidLayout> scheme_layout(const SchemeSpec& spec, std::int64_t rows, std::int64_t cols,
+                                    int components) {
     return spec.id == SchemeId::Box ? box::layout(spec, rows, cols, components)
                                     : barycentric::layout(spec, rows, cols, components);
 }
 
 template <class T>
 Grid<T> scheme_coefficients(const Pyramid<T>& pyramid, int component, int level) {
-    return pyramid.layout.spec.id == SchemeId::Box ? box::coefficients(pyramid, component, level)
-                                                   : barycentric::coefficients(pyramid, component, level);
+    return pyramid.layout.spec.id == SchemeId::Box
+               ? box::coefficients(pyramid, component, level)
+               : barycentric::coefficients(pyramid, component, level);
 }
 
 template <class T>
 void fill_zero(Pyramid<T>& pyramid) {
     for (Planes<T>& band : pyramid.bands)
         for (Grid<T>& plane : band)
-            for (std::int64_t r = 0; r < plane.rows(); ++r) std::fill_n(plane.row(r), plane.cols(), T(0));
+            for (std::int64_t r = 0; r < plane.rows(); ++r)
+                std::fill_n(plane.row(r), plane.cols(), T(0));
 }
 
 bool samples_are_coefficients(const SchemeSpec& spec) {
@@ -80,7 +87,8 @@ Grid<T> copied(GridView<const T> from) {
     return grid;
 }
 
-// --- norms ------------------------------------------------------------------------------------------------------
+// --- norms
+// ------------------------------------------------------------------------------------------------------
 
 struct Norms {
     double samples = 1;
@@ -88,7 +96,8 @@ struct Norms {
     double max = 1;
 };
 
-/// Levels whose norms are measured; from there on each level doubles the L2 norms and keeps the maximum.
+/// Levels whose norms are measured; from there on each level doubles the L2 norms and keeps the
+/// maximum.
 constexpr int kMeasuredLevels = 3;
 using NormTable = std::map<std::pair<int, int>, Norms>;  ///< by (level, channel)
 
@@ -111,12 +120,13 @@ Norms measure(const SchemeSpec& spec, const Grid<double>& atom) {
     norms.samples = std::sqrt(square_sum(*samples, *samples));
     norms.max = 0;
     for (std::int64_t r = 0; r < samples->rows(); ++r)
-        for (std::int64_t c = 0; c < samples->cols(); ++c) norms.max = std::max(norms.max, std::abs((*samples)(r, c)));
+        for (std::int64_t c = 0; c < samples->cols(); ++c)
+            norms.max = std::max(norms.max, std::abs((*samples)(r, c)));
     return norms;
 }
 
-/// Norms of the atoms of levels 1 .. kMeasuredLevels, by synthesis of one impulse in the middle of a raster that holds
-/// the atom.
+/// Norms of the atoms of levels 1 .. kMeasuredLevels, by synthesis of one impulse in the middle of
+/// a raster that holds the atom.
 NormTable measure_norms(SchemeSpec spec) {
     NormTable table;
     for (int level = 1; level <= kMeasuredLevels; ++level) {
@@ -165,21 +175,38 @@ void fill_norms(PyramidLayout& layout) {
 
 }  // namespace
 
-std::string_view scheme_name(SchemeId id) { return name_in(kSchemes, id); }
-std::string_view family_name(Family family) { return name_in(kFamilies, family); }
-std::string_view data_map_name(DataMap map) { return name_in(kDataMaps, map); }
-Result<SchemeId> scheme_from_name(std::string_view name) { return find_in<SchemeId>(kSchemes, name, "scheme"); }
-Result<Family> family_from_name(std::string_view name) { return find_in<Family>(kFamilies, name, "family"); }
-Result<DataMap> data_map_from_name(std::string_view name) { return find_in<DataMap>(kDataMaps, name, "data map"); }
+std::string_view scheme_name(SchemeId id) {
+    return name_in(kSchemes, id);
+}
+std::string_view family_name(Family family) {
+    return name_in(kFamilies, family);
+}
+std::string_view data_map_name(DataMap map) {
+    return name_in(kDataMaps, map);
+}
+Result<SchemeId> scheme_from_name(std::string_view name) {
+    return find_in<SchemeId>(kSchemes, name, "scheme");
+}
+Result<Family> family_from_name(std::string_view name) {
+    return find_in<Family>(kFamilies, name, "family");
+}
+Result<DataMap> data_map_from_name(std::string_view name) {
+    return find_in<DataMap>(kDataMaps, name, "data map");
+}
 
-Result<PyramidLayout> layout(const SchemeSpec& spec, std::int64_t rows, std::int64_t cols, int components) {
+Result<PyramidLayout> layout(const SchemeSpec& spec, std::int64_t rows, std::int64_t cols,
+                             int components) {
     constexpr std::int64_t most = INT32_MAX;
-    if (rows < 1 || cols < 1) return Error{ErrorCode::BadInput, "the raster is empty; it needs at least one sample", ""};
+    if (rows < 1 || cols < 1)
+        return Error{ErrorCode::BadInput, "the raster is empty; it needs at least one sample", ""};
     if (rows > most || cols > most)
-        return Error{ErrorCode::BadInput, "the raster has more than 2^31 - 1 samples a side; cut it into parts", ""};
-    if (components < 1 || components > 4)
         return Error{ErrorCode::BadInput,
-                     "a surface has 1 to 4 components, not " + std::to_string(components) + "; choose bands", ""};
+                     "the raster has more than 2^31 - 1 samples a side; cut it into parts", ""};
+    if (components < 1 || components > 4)
+        return Error{
+            ErrorCode::BadInput,
+            "a surface has 1 to 4 components, not " + std::to_string(components) + "; choose bands",
+            ""};
     RELIEF_TRY(PyramidLayout result, scheme_layout(spec, rows, cols, components));
     fill_norms(result);
     return result;
@@ -191,7 +218,8 @@ Result<Pyramid<T>> analyse(const std::vector<GridView<const T>>& planes, const S
     for (const auto& plane : planes)
         if (plane.rows != planes[0].rows || plane.cols != planes[0].cols)
             return Error{ErrorCode::BadInput, "the components differ in size", ""};
-    RELIEF_TRY(PyramidLayout bands, layout(spec, planes[0].rows, planes[0].cols, static_cast<int>(planes.size())));
+    RELIEF_TRY(PyramidLayout bands,
+               layout(spec, planes[0].rows, planes[0].cols, static_cast<int>(planes.size())));
     auto pyramid = Pyramid<T>::allocate(std::move(bands));
     for (std::size_t c = 0; c < planes.size(); ++c) {
         GridView<const T> finest = planes[c];
@@ -220,7 +248,8 @@ LatticeBox scaling_box(const PyramidLayout& layout, int level) {
 }
 
 std::vector<Grid<float>> coverage(const PyramidLayout& layout) {
-    return layout.spec.id == SchemeId::Barycentric ? barycentric::coverage(layout) : std::vector<Grid<float>>{};
+    return layout.spec.id == SchemeId::Barycentric ? barycentric::coverage(layout)
+                                                   : std::vector<Grid<float>>{};
 }
 
 template <class T>
@@ -233,11 +262,13 @@ LevelCoefficients<T> coefficients(const Pyramid<T>& pyramid, int level) {
 }
 
 template <class T>
-LevelCoefficients<T> subdivide(const PyramidLayout& layout, LevelCoefficients<T> coarse, int from, int to) {
+LevelCoefficients<T> subdivide(const PyramidLayout& layout, LevelCoefficients<T> coarse, int from,
+                               int to) {
     if (from == to) return coarse;
     SchemeSpec spec = layout.spec;
     spec.levels = from;
-    auto bands = scheme_layout(spec, layout.rows, layout.cols, static_cast<int>(coarse.planes.size()));
+    auto bands =
+        scheme_layout(spec, layout.rows, layout.cols, static_cast<int>(coarse.planes.size()));
     auto pyramid = Pyramid<T>::allocate(*std::move(bands));
     fill_zero(pyramid);
     pyramid.bands[0] = std::move(coarse.planes);
@@ -245,7 +276,8 @@ LevelCoefficients<T> subdivide(const PyramidLayout& layout, LevelCoefficients<T>
 }
 
 template <class T>
-Planes<T> samples_of(const PyramidLayout& layout, const LevelCoefficients<T>& level_coefficients, int level) {
+Planes<T> samples_of(const PyramidLayout& layout, const LevelCoefficients<T>& level_coefficients,
+                     int level) {
     const std::int64_t step = std::int64_t{1} << level;
     const std::int64_t rows = (layout.rows + step - 1) / step;
     const std::int64_t cols = (layout.cols + step - 1) / step;
@@ -294,12 +326,12 @@ Pyramid<T> adjoint(const PyramidLayout& layout, const std::vector<GridView<const
     return pyramid;
 }
 
-#define RELIEF_INSTANTIATE(T)                                                                              \
-    template Result<Pyramid<T>> analyse(const std::vector<GridView<const T>>&, const SchemeSpec&);         \
-    template LevelCoefficients<T> coefficients(const Pyramid<T>&, int);                                    \
-    template LevelCoefficients<T> subdivide(const PyramidLayout&, LevelCoefficients<T>, int, int);         \
-    template Planes<T> samples_of(const PyramidLayout&, const LevelCoefficients<T>&, int);                 \
-    template Planes<T> synthesise(const Pyramid<T>&, int);                                                 \
+#define RELIEF_INSTANTIATE(T)                                                                      \
+    template Result<Pyramid<T>> analyse(const std::vector<GridView<const T>>&, const SchemeSpec&); \
+    template LevelCoefficients<T> coefficients(const Pyramid<T>&, int);                            \
+    template LevelCoefficients<T> subdivide(const PyramidLayout&, LevelCoefficients<T>, int, int); \
+    template Planes<T> samples_of(const PyramidLayout&, const LevelCoefficients<T>&, int);         \
+    template Planes<T> synthesise(const Pyramid<T>&, int);                                         \
     template Pyramid<T> adjoint(const PyramidLayout&, const std::vector<GridView<const T>>&);
 RELIEF_INSTANTIATE(float)
 RELIEF_INSTANTIATE(double)

@@ -70,10 +70,13 @@ TEST(Container, HoldsNoChunksAndEmptyHeaders) {
     EXPECT_EQ(reader.value().complete_size(), file.size());
 }
 
-/// The dictionary is part of the format: the documented text and the one that is compiled in are the same 7825 bytes.
+/// The dictionary is part of the format: the documented text and the one that is compiled in are
+/// the same 7825 bytes.
 TEST(Container, DictionaryIsTheDocumentedOne) {
-    std::ifstream file(std::string(RELIEF_TEST_DATA) + "/../../docs/header-dictionary.txt", std::ios::binary);
-    const std::string documented((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+    std::ifstream file(std::string(RELIEF_TEST_DATA) + "/../../docs/header-dictionary.txt",
+                       std::ios::binary);
+    const std::string documented((std::istreambuf_iterator<char>(file)),
+                                 std::istreambuf_iterator<char>());
     EXPECT_EQ(documented.size(), 7825U);
     EXPECT_EQ(documented, kHeaderDictionary);
 }

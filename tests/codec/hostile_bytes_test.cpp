@@ -75,7 +75,8 @@ TEST(HostileBytes, Containers) {
 
 TEST(HostileBytes, RasterFiles) {
     for (const Bytes& file : fuzz::valid_rasters())
-        run_mutations(file, [](const Bytes& bytes) { fuzz::raster(bytes); }, 500);
+        run_mutations(
+            file, [](const Bytes& bytes) { fuzz::raster(bytes); }, 500);
 }
 
 TEST(HostileBytes, RasterChunksWhoseChecksumsHold) {
@@ -83,15 +84,19 @@ TEST(HostileBytes, RasterChunksWhoseChecksumsHold) {
         // One edit of three bytes in each of a few chunks; mutation moves and multiplies them.
         Bytes edits = {file};
         for (std::uint8_t chunk = 0; chunk < 4; ++chunk)
-            edits.insert(edits.end(), {chunk, static_cast<std::uint8_t>(7 * chunk), 0, 3, 1, 255, 16});
-        run_mutations(edits, [](const Bytes& bytes) { fuzz::raster_chunks(bytes); }, 400);
+            edits.insert(edits.end(),
+                         {chunk, static_cast<std::uint8_t>(7 * chunk), 0, 3, 1, 255, 16});
+        run_mutations(
+            edits, [](const Bytes& bytes) { fuzz::raster_chunks(bytes); }, 400);
     }
 }
 
 TEST(HostileBytes, RasterHeaders) {
     const Bytes& file = fuzz::valid_rasters()[0];
     const std::string header = ContainerReader::open(file, file.size())->header();
-    run_mutations(Bytes(header.begin(), header.end()), [](const Bytes& bytes) { fuzz::raster_header(bytes); }, 1000);
+    run_mutations(
+        Bytes(header.begin(), header.end()), [](const Bytes& bytes) { fuzz::raster_header(bytes); },
+        1000);
 }
 
 /// `member` of the header of a valid file replaced by JSON text.
@@ -109,7 +114,7 @@ TEST(HostileBytes, HeaderMembersOutOfRangeAreNamed) {
              {"/rows", "0", "size"},
              {"/rows", "-13", "size"},
              {"/rows", "2147483648", "size"},
-             {"/rows", "18446744073709551615", "rows"},
+             {"/rows", "18446744073709551615", "size"},
              {"/rows", "13.0", "rows"},
              {"/rows", "2147483647", "claims 18 x 2147483647 samples"},
              {"/cols", "100000000", "claims 100000000 x 13 samples"},
@@ -150,7 +155,9 @@ TEST(HostileBytes, ChunksThatStandTwiceOrNotAtAll) {
         ContainerWriter without(reader.header());
         ContainerWriter twice(reader.header());
         for (std::size_t k = 0; k < chunks.size(); ++k) {
-            if (k != gone) ASSERT_TRUE(without.add(reader.chunks()[k], chunks[k]).ok());
+            if (k != gone) {
+                ASSERT_TRUE(without.add(reader.chunks()[k], chunks[k]).ok());
+            }
             for (int copies = k == gone ? 2 : 1; copies > 0; --copies)
                 ASSERT_TRUE(twice.add(reader.chunks()[k], chunks[k]).ok());
         }

@@ -25,13 +25,17 @@ Grid<double> terrain(std::int64_t n) {
             const double u = octave * noise(), v = octave * noise(), phase = 3 * noise();
             for (std::int64_t r = 0; r < n; ++r)
                 for (std::int64_t c = 0; c < n; ++c)
-                    grid(r, c) += 100.0 / octave *
-                                  std::sin(6.28 * (u * static_cast<double>(r) + v * static_cast<double>(c)) / static_cast<double>(n) + phase);
+                    grid(r, c) +=
+                        100.0 / octave *
+                        std::sin(6.28 * (u * static_cast<double>(r) + v * static_cast<double>(c)) /
+                                     static_cast<double>(n) +
+                                 phase);
         }
     return grid;
 }
 
-double squared_error(const Grid<double>& data, const Pyramid<double>& pyramid, const Grid<std::uint8_t>* mask = nullptr) {
+double squared_error(const Grid<double>& data, const Pyramid<double>& pyramid,
+                     const Grid<std::uint8_t>* mask = nullptr) {
     const auto surface = multires::synthesise(pyramid);
     double sum = 0;
     for (std::int64_t r = 0; r < data.rows(); ++r)
@@ -40,7 +44,8 @@ double squared_error(const Grid<double>& data, const Pyramid<double>& pyramid, c
     return sum;
 }
 
-double error_after(const Grid<double>& data, const SchemeSpec& spec, std::int64_t keep, Effort effort) {
+double error_after(const Grid<double>& data, const SchemeSpec& spec, std::int64_t keep,
+                   Effort effort) {
     auto pyramid = *multires::analyse<double>({data.view()}, spec);
     const Selection selection = choose(pyramid, keep, Target{{data.view()}, {}}, effort);
     EXPECT_EQ(selection.kept, keep);
@@ -62,9 +67,11 @@ TEST(Oracle, KeepsExactlyTheLargestWeightedCoefficients) {
         for (std::size_t k = 1; k < pyramid.bands.size(); ++k)
             for (std::int64_t r = 0; r < pyramid.bands[k][0].rows(); ++r)
                 for (std::int64_t c = 0; c < pyramid.bands[k][0].cols(); ++c) {
-                    const double weighted = std::abs(pyramid.bands[k][0](r, c)) * pyramid.layout.bands[k].norm_samples;
+                    const double weighted =
+                        std::abs(pyramid.bands[k][0](r, c)) * pyramid.layout.bands[k].norm_samples;
                     double& side = selection.masks[k](r, c) ? smallest_kept : largest_dropped;
-                    side = selection.masks[k](r, c) ? std::min(side, weighted) : std::max(side, weighted);
+                    side = selection.masks[k](r, c) ? std::min(side, weighted)
+                                                    : std::max(side, weighted);
                 }
         EXPECT_GE(smallest_kept, largest_dropped);
     }
@@ -76,7 +83,8 @@ TEST(Oracle, TiesAreBrokenByPosition) {
     EXPECT_EQ(select_largest(pyramid, 100).kept, 100);
 }
 
-/// Specification section 10: refit gains 1.1 to 2.5 times, reselection another 1.3 to 1.7 for frames.
+/// Specification section 10: refit gains 1.1 to 2.5 times, reselection another 1.3 to 1.7 for
+/// frames.
 TEST(Oracle, LeastSquaresAndReselectionReduceTheError) {
     const auto data = terrain(64);
     for (const double share : {0.245, 0.13, 0.062}) {
@@ -86,7 +94,8 @@ TEST(Oracle, LeastSquaresAndReselectionReduceTheError) {
         const double reselected = error_after(data, kFrame, keep, Effort::Reselect);
         EXPECT_LT(refitted, plain / 1.1);
         EXPECT_LT(reselected, refitted);
-        EXPECT_LT(error_after(data, kBox, keep, Effort::Refit), error_after(data, kBox, keep, Effort::Select));
+        EXPECT_LT(error_after(data, kBox, keep, Effort::Refit),
+                  error_after(data, kBox, keep, Effort::Select));
     }
 }
 
@@ -107,8 +116,10 @@ TEST(Oracle, RefitMakesTheResidualOrthogonal) {
         for (std::int64_t r = 0; r < gradient.bands[k][0].rows(); ++r)
             for (std::int64_t c = 0; c < gradient.bands[k][0].cols(); ++c)
                 if (selection.masks[k](r, c)) {
-                    // Conjugate gradients stop at 1e-12 of the first gradient, which is of size 1e3.
-                    EXPECT_NEAR(gradient.bands[k][0](r, c) / pyramid.layout.bands[k].norm_samples, 0, 1e-6);
+                    // Conjugate gradients stop at 1e-12 of the first gradient, which is of size
+                    // 1e3.
+                    EXPECT_NEAR(gradient.bands[k][0](r, c) / pyramid.layout.bands[k].norm_samples,
+                                0, 1e-6);
                 }
 }
 
@@ -144,7 +155,8 @@ TEST(Quantise, ErrorIsAtMostHalfAStepOutsideTheDeadZone) {
         EXPECT_NEAR(step * pyramid.layout.bands[k].norm_samples, 5, 1e-5);
         for (std::int64_t r = 0; r < pyramid.bands[k][0].rows(); ++r)
             for (std::int64_t c = 0; c < pyramid.bands[k][0].cols(); ++c)
-                EXPECT_LE(std::abs(pyramid.bands[k][0](r, c) - back.bands[k][0](r, c)), 0.5 * step * (1 + 1e-12));
+                EXPECT_LE(std::abs(pyramid.bands[k][0](r, c) - back.bands[k][0](r, c)),
+                          0.5 * step * (1 + 1e-12));
     }
 }
 
@@ -158,7 +170,8 @@ TEST(Quantise, FineStepsAreTwoToTheMinus24OfTheBand) {
         for (std::int64_t r = 0; r < pyramid.bands[k][0].rows(); ++r)
             for (std::int64_t c = 0; c < pyramid.bands[k][0].cols(); ++c)
                 largest = std::max(largest, std::abs(pyramid.bands[k][0](r, c)));
-        EXPECT_LE(test::largest_difference(pyramid.bands[k][0], back.bands[k][0]), std::ldexp(largest, -24) * 0.51);
+        EXPECT_LE(test::largest_difference(pyramid.bands[k][0], back.bands[k][0]),
+                  std::ldexp(largest, -24) * 0.51);
     }
 }
 

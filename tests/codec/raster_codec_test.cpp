@@ -18,12 +18,13 @@ using test::Noise;
 using Kind = Goal::Kind;
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr SampleType kTypes[] = {SampleType::UInt8, SampleType::UInt16,  SampleType::Int16,  SampleType::UInt32,
-                                 SampleType::Int32, SampleType::Float32, SampleType::Float64};
+constexpr SampleType kTypes[] = {SampleType::UInt8,  SampleType::UInt16, SampleType::Int16,
+                                 SampleType::UInt32, SampleType::Int32,  SampleType::Float32,
+                                 SampleType::Float64};
 
 /// Hills and noise over part of the range of a type; holes where `hole_share` of the noise falls.
-Raster landscape(std::int64_t rows, std::int64_t cols, SampleType type, int components, double hole_share,
-                 std::uint64_t seed) {
+Raster landscape(std::int64_t rows, std::int64_t cols, SampleType type, int components,
+                 double hole_share, std::uint64_t seed) {
     const double low = is_integer(type) ? sample_range(type).first : -1000;
     const double high = is_integer(type) ? std::min(sample_range(type).second, 1e9) : 3000;
     Noise noise(seed);
@@ -35,8 +36,10 @@ Raster landscape(std::int64_t rows, std::int64_t cols, SampleType type, int comp
         Grid<double> plane(rows, cols);
         for (std::int64_t r = 0; r < rows; ++r)
             for (std::int64_t c = 0; c < cols; ++c) {
-                const double hill = std::sin(0.21 * static_cast<double>(r + k)) * std::cos(0.17 * static_cast<double>(c));
-                plane(r, c) = stored_value(low + (high - low) * (0.5 + 0.4 * hill + 0.05 * noise()), type, {});
+                const double hill = std::sin(0.21 * static_cast<double>(r + k)) *
+                                    std::cos(0.17 * static_cast<double>(c));
+                plane(r, c) = stored_value(low + (high - low) * (0.5 + 0.4 * hill + 0.05 * noise()),
+                                           type, {});
             }
         raster.planes.push_back(std::move(plane));
     }
@@ -44,7 +47,8 @@ Raster landscape(std::int64_t rows, std::int64_t cols, SampleType type, int comp
         raster.mask = Grid<std::uint8_t>(rows, cols);
         for (std::int64_t r = 0; r < rows; ++r)
             for (std::int64_t c = 0; c < cols; ++c) {
-                raster.mask(r, c) = 0.5 * (noise() + 1) >= hole_share || (r == rows / 2 && c == cols / 2);
+                raster.mask(r, c) =
+                    0.5 * (noise() + 1) >= hole_share || (r == rows / 2 && c == cols / 2);
                 if (raster.mask(r, c) == 0)
                     for (auto& plane : raster.planes) plane(r, c) = NAN;
             }
@@ -58,15 +62,16 @@ rc::Gen<Raster> any_raster() {
         [](int rows, int cols, int type, int components, int holes, std::uint64_t seed) {
             return landscape(rows, cols, kTypes[type], components, 0.2 * holes, seed);
         },
-        rc::gen::inRange(1, 40), rc::gen::inRange(1, 40), rc::gen::inRange(0, 7), rc::gen::inRange(1, 4),
-        rc::gen::inRange(0, 3), rc::gen::arbitrary<std::uint64_t>());
+        rc::gen::inRange(1, 40), rc::gen::inRange(1, 40), rc::gen::inRange(0, 7),
+        rc::gen::inRange(1, 4), rc::gen::inRange(0, 3), rc::gen::arbitrary<std::uint64_t>());
 }
 
 SchemeSpec any_scheme() {
     SchemeSpec spec;
     spec.id = *rc::gen::element(SchemeId::Box, SchemeId::Barycentric);
     spec.order = *rc::gen::inRange(1, 3);
-    spec.data_map = *rc::gen::element(multires::DataMap::Interpolate, multires::DataMap::QuasiInterpolate);
+    spec.data_map =
+        *rc::gen::element(multires::DataMap::Interpolate, multires::DataMap::QuasiInterpolate);
     return spec;
 }
 
@@ -99,7 +104,8 @@ Errors errors(const Raster& original, const Raster& decoded) {
                 const double after = decoded.planes[p](r, c);
                 found.max = std::max(found.max, std::abs(after - before));
                 found.square += (after - before) * (after - before);
-                found.same_bits = found.same_bits && before == after && std::signbit(before) == std::signbit(after);
+                found.same_bits = found.same_bits && before == after &&
+                                  std::signbit(before) == std::signbit(after);
             }
     return found;
 }
@@ -152,13 +158,16 @@ TEST(RasterCodec, LosslessIsExactToTheBit) {
         Raster raster = *any_raster();
         if (!is_integer(raster.type))
             for (std::int64_t c = 0; c < raster.cols; c += 3)
-                if (raster.valid(0, c)) raster.planes[0](0, c) = c % 2 == 0 ? -0.0 : std::numeric_limits<float>::denorm_min();
+                if (raster.valid(0, c))
+                    raster.planes[0](0, c) =
+                        c % 2 == 0 ? -0.0 : std::numeric_limits<float>::denorm_min();
         const auto file = encoded(raster, any_scheme(), {Kind::Lossless, 0});
         const Raster after = decoded(file.bytes);
         RC_ASSERT(errors(raster, after).same_bits);
         RC_ASSERT(after.type == raster.type);
         for (std::int64_t r = 0; r < raster.rows; ++r)
-            for (std::int64_t c = 0; c < raster.cols; ++c) RC_ASSERT(after.valid(r, c) == raster.valid(r, c));
+            for (std::int64_t c = 0; c < raster.cols; ++c)
+                RC_ASSERT(after.valid(r, c) == raster.valid(r, c));
     });
 }
 
@@ -166,7 +175,8 @@ TEST(RasterCodec, ByteGoalsAreKept) {
     prop("size <= goal, or told that none is that small", [] {
         const Raster raster = *any_raster();
         const double goal = *rc::gen::inRange(1, 5000);
-        const auto file = encode_raster(raster, {.spec = any_scheme(), .goal = {Kind::Bytes, goal}});
+        const auto file =
+            encode_raster(raster, {.spec = any_scheme(), .goal = {Kind::Bytes, goal}});
         if (!file.ok()) {
             RC_ASSERT(file.error().code == ErrorCode::InvalidArgument);
             return;
@@ -185,7 +195,8 @@ TEST(RasterCodec, EveryLevelDecodesFromThePrefixThatItNames) {
         RC_ASSERT(whole.ok());
         for (int level = whole->layout().levels(); level >= 0; --level) {
             const auto end = static_cast<std::ptrdiff_t>(whole->bytes_for(level));
-            const auto part = RasterFile::open_prefix(Bytes(coded.bytes.begin(), coded.bytes.begin() + end), coded.bytes.size());
+            const auto part = RasterFile::open_prefix(
+                Bytes(coded.bytes.begin(), coded.bytes.begin() + end), coded.bytes.size());
             RC_ASSERT(part.ok());
             RC_ASSERT(part->finest_level() == level);
             RC_ASSERT(part->bytes_for(level) == whole->bytes_for(level));
@@ -199,7 +210,9 @@ TEST(RasterCodec, EveryLevelDecodesFromThePrefixThatItNames) {
                     for (std::int64_t c = 0; c < a->cols; ++c) {
                         if (!raster.valid(r * step, c * step)) continue;
                         RC_ASSERT(a->planes[p](r, c) == b->planes[p](r, c));
-                        RC_ASSERT(std::abs(a->planes[p](r, c) - raster.planes[p](r * step, c * step)) <= *whole->bound(level));
+                        RC_ASSERT(
+                            std::abs(a->planes[p](r, c) - raster.planes[p](r * step, c * step)) <=
+                            *whole->bound(level));
                     }
             // The whole raster from the prefix.
             const auto full = part->decode(0);
@@ -253,9 +266,11 @@ TEST(RasterCodec, DescriptionSurvives) {
 
 TEST(RasterCodec, NodataThatIsNotANumberSurvives) {
     Raster raster = landscape(5, 6, SampleType::Float32, 1, 0.3, 2);
-    for (const double nodata : {static_cast<double>(NAN), static_cast<double>(INFINITY), -static_cast<double>(INFINITY)}) {
+    for (const double nodata : {static_cast<double>(NAN), static_cast<double>(INFINITY),
+                                -static_cast<double>(INFINITY)}) {
         raster.nodata = nodata;
-        const auto file = RasterFile::open(encode_raster(raster, {.goal = {Kind::MaxError, 1}})->bytes);
+        const auto file =
+            RasterFile::open(encode_raster(raster, {.goal = {Kind::MaxError, 1}})->bytes);
         ASSERT_TRUE(file.ok());
         const double read = *file->description().nodata;
         EXPECT_TRUE(read == nodata || (std::isnan(read) && std::isnan(nodata)));
@@ -264,8 +279,9 @@ TEST(RasterCodec, NodataThatIsNotANumberSurvives) {
 
 TEST(RasterCodec, MovesAreALayer) {
     prop("moves add their displacement, in any order of adding", [] {
-        const Raster raster = landscape(*rc::gen::inRange(2, 40), *rc::gen::inRange(2, 40), SampleType::Float64, 2, 0,
-                                        *rc::gen::arbitrary<std::uint64_t>());
+        const Raster raster =
+            landscape(*rc::gen::inRange(2, 40), *rc::gen::inRange(2, 40), SampleType::Float64, 2, 0,
+                      *rc::gen::arbitrary<std::uint64_t>());
         const auto coded = encoded(raster, any_scheme(), {Kind::RmsError, 5});
         const auto file = RasterFile::open(coded.bytes);
         RC_ASSERT(file.ok());
@@ -290,21 +306,26 @@ TEST(RasterCodec, MovesAreALayer) {
         const auto edited = RasterFile::open(*at_once);
         RC_ASSERT(edited.ok() && edited->checksums_ok() && !edited->bound(0));
         RC_ASSERT(edited->moves().size() == moves.size());
-        const auto change = multires::samples_of(file->layout(), multires::displacement<double>(file->layout(), moves, 0), 0);
+        const auto change = multires::samples_of(
+            file->layout(), multires::displacement<double>(file->layout(), moves, 0), 0);
         const Raster before = *file->decode(0);
         const Raster after = *edited->decode(0);
         for (std::size_t p = 0; p < 2; ++p)
             for (std::int64_t r = 0; r < raster.rows; ++r)
                 for (std::int64_t c = 0; c < raster.cols; ++c)
                     // One addition to a number below 2^13.
-                    RC_ASSERT(std::abs(after.planes[p](r, c) - before.planes[p](r, c) - change[p](r, c)) <= 0x1p-39);
+                    RC_ASSERT(std::abs(after.planes[p](r, c) - before.planes[p](r, c) -
+                                       change[p](r, c)) <= 0x1p-39);
     });
 }
 
 TEST(RasterCodec, MovesThatCanNotBeAreRefused) {
-    const Bytes file = encode_raster(landscape(20, 20, SampleType::Int16, 1, 0, 1), {.goal = {Kind::MaxError, 2}})->bytes;
-    for (const Move& move : {Move{.level = -1}, Move{.level = 99}, Move{.level = 1, .row = 1000}, Move{.level = 0, .col = -1},
-                             Move{.delta = {NAN}}, Move{.delta = {0, 0, 0, INFINITY}}, Move{.delta = {1e301}}}) {
+    const Bytes file =
+        encode_raster(landscape(20, 20, SampleType::Int16, 1, 0, 1), {.goal = {Kind::MaxError, 2}})
+            ->bytes;
+    for (const Move& move : {Move{.level = -1}, Move{.level = 99}, Move{.level = 1, .row = 1000},
+                             Move{.level = 0, .col = -1}, Move{.delta = {NAN}},
+                             Move{.delta = {0, 0, 0, INFINITY}}, Move{.delta = {1e301}}}) {
         const auto moved = add_moves(file, {move});
         ASSERT_FALSE(moved.ok());
         EXPECT_EQ(moved.error().code, ErrorCode::InvalidArgument) << moved.error().text();
@@ -340,7 +361,8 @@ TEST(RasterCodec, GoalsAndRastersThatCanNotBeAreRefused) {
 TEST(RasterCodec, LargestSamplesSurvive) {
     Raster raster = landscape(12, 12, SampleType::Float64, 1, 0, 1);
     for (std::int64_t r = 0; r < 12; ++r)
-        for (std::int64_t c = 0; c < 12; ++c) raster.planes[0](r, c) = (r + c) % 2 == 0 ? 1e45 : -1e45;
+        for (std::int64_t c = 0; c < 12; ++c)
+            raster.planes[0](r, c) = (r + c) % 2 == 0 ? 1e45 : -1e45;
     for (const SchemeId id : {SchemeId::Box, SchemeId::Barycentric}) {
         const auto file = encode_raster(raster, {.spec = {.id = id}, .goal = {Kind::Lossless, 0}});
         ASSERT_TRUE(file.ok()) << file.error().text();
@@ -361,7 +383,8 @@ TEST(RasterCodec, ProgressCancels) {
         ASSERT_TRUE(encode_raster(raster, {.goal = {kind, 1500}, .progress = watch}).ok());
         EXPECT_TRUE(rising);
         EXPECT_EQ(last, 1);
-        const auto stopped = encode_raster(raster, {.goal = {kind, 1500}, .progress = [](double) { return false; }});
+        const auto stopped =
+            encode_raster(raster, {.goal = {kind, 1500}, .progress = [](double) { return false; }});
         ASSERT_FALSE(stopped.ok());
         EXPECT_EQ(stopped.error().code, ErrorCode::Cancelled);
     }

@@ -40,12 +40,14 @@ TYPED_TEST(Rows, VectorAndScalarGiveTheSameBytes) {
         const auto a = noise<T>(2 * n, 1);
         const auto b = noise<T>(2 * n, 2);
         const auto c = noise<T>(2 * n, 3);
-        const RowTap<T> taps[] = {{a.data(), T(0.3)}, {b.data() + 1, T(-1.7)}, {c.data(), T(1) / 3}};
+        const RowTap<T> taps[] = {
+            {a.data(), T(0.3)}, {b.data() + 1, T(-1.7)}, {c.data(), T(1) / 3}};
         expect_twins_agree<T>(n, [&](T* out) { row_fir(out, n, taps, 3); });
         expect_twins_agree<T>(n, [&](T* out) { row_fir_add(out, n, taps, 3); });
         expect_twins_agree<T>(2 * n, [&](T* out) { row_split(a.data(), n, out, out + n); });
         expect_twins_agree<T>(2 * n, [&](T* out) { row_merge(a.data(), b.data(), n, out); });
-        expect_twins_agree<T>(2 * n, [&](T* out) { row_butterfly(a.data(), b.data(), n, out, out + n); });
+        expect_twins_agree<T>(2 * n,
+                              [&](T* out) { row_butterfly(a.data(), b.data(), n, out, out + n); });
     }
 }
 

@@ -32,7 +32,8 @@ Pyramid<T> analysed(const Grid<T>& data, const SchemeSpec& spec) {
     return pyramid;
 }
 
-const std::int64_t kSizes[][2] = {{1, 1}, {1, 7}, {7, 1}, {2, 5}, {8, 8}, {9, 13}, {17, 4}, {16, 31}, {1, 2}, {3, 3}};
+const std::int64_t kSizes[][2] = {{1, 1},  {1, 7},  {7, 1},   {2, 5}, {8, 8},
+                                  {9, 13}, {17, 4}, {16, 31}, {1, 2}, {3, 3}};
 
 TEST(Barycentric, MatchesTheReferenceBoxes) {
     for (const auto& example : test::reference("barycentric.json")["box_frame"]) {
@@ -43,12 +44,15 @@ TEST(Barycentric, MatchesTheReferenceBoxes) {
             const auto& expected = example["analysis"][band.name];
             EXPECT_EQ(band.box.row0, expected["origin"][0].get<std::int64_t>()) << band.name;
             EXPECT_EQ(band.box.col0, expected["origin"][1].get<std::int64_t>()) << band.name;
-            EXPECT_LT(largest_difference(test::grid_of(expected["values"]), pyramid.bands[k][0]), 1e-12) << band.name;
+            EXPECT_LT(largest_difference(test::grid_of(expected["values"]), pyramid.bands[k][0]),
+                      1e-12)
+                << band.name;
         }
     }
 }
 
-/// A torus is a box of three periods: the middle one sees no border (exact filters: up to the decay of their poles).
+/// A torus is a box of three periods: the middle one sees no border (exact filters: up to the decay
+/// of their poles).
 TEST(Barycentric, MatchesTheReferenceTorus) {
     for (const auto& example : test::reference("barycentric.json")["torus_frame"]) {
         const auto period = test::grid_of(example["input"]);
@@ -64,8 +68,10 @@ TEST(Barycentric, MatchesTheReferenceTorus) {
             const auto expected = test::grid_of(example["analysis"][band.name]);
             for (std::int64_t r = 0; r < n / 2; ++r)
                 for (std::int64_t c = 0; c < n / 2; ++c)
-                    EXPECT_NEAR(expected(r, c),
-                                pyramid.bands[k][0](shift + r - band.box.row0, shift + c - band.box.col0), 1e-12)
+                    EXPECT_NEAR(
+                        expected(r, c),
+                        pyramid.bands[k][0](shift + r - band.box.row0, shift + c - band.box.col0),
+                        1e-12)
                         << example["family"] << ' ' << band.name << ' ' << r << ' ' << c;
         }
     }
@@ -82,9 +88,9 @@ TEST(Barycentric, TreeEqualsTheHexagonalConvolution) {
             const LatticeBox box{0, 0, size[0], size[1]};
             for (int c = 0; c < 8; ++c) {
                 const auto k = static_cast<std::size_t>(c);
-                const auto direct =
-                    test::direct_analysis(analysis_kernel(bank, c), pyramid.layout.bands[k].box,
-                                          [&](auto i, auto j) { return test::extended(data, box, i, j); });
+                const auto direct = test::direct_analysis(
+                    analysis_kernel(bank, c), pyramid.layout.bands[k].box,
+                    [&](auto i, auto j) { return test::extended(data, box, i, j); });
                 // Sums of at most a few hundred products of size 1.
                 EXPECT_LT(largest_difference(direct, pyramid.bands[k][0]), 1e-13);
             }
@@ -95,21 +101,24 @@ TEST(Barycentric, SynthesisEqualsTheHexagonalConvolution) {
     for (const auto& [order, dual] : {std::pair{1, 1}, {2, 2}, {3, 3}, {4, 4}})
         for (const auto& size : kSizes) {
             const FilterBank bank = *filter_bank(order, Family::Compact, dual);
-            auto layout = *barycentric::layout(spec_of(order, Family::Compact, dual, 1), size[0], size[1], 1);
+            auto layout =
+                *barycentric::layout(spec_of(order, Family::Compact, dual, 1), size[0], size[1], 1);
             auto pyramid = Pyramid<double>::allocate(layout);
             const LatticeBox box{0, 0, size[0], size[1]};
             Grid<double> direct(size[0], size[1], 0.0);
             for (std::size_t k = 0; k < 8; ++k) {
                 const LatticeBox& band = layout.bands[k].box;
                 pyramid.bands[k][0] = noise_grid<double>(band.rows, band.cols, 20 + k);
-                test::direct_synthesis(synthesis_kernel(bank, static_cast<int>(k)), band, pyramid.bands[k][0], box, direct);
+                test::direct_synthesis(synthesis_kernel(bank, static_cast<int>(k)), band,
+                                       pyramid.bands[k][0], box, direct);
             }
             EXPECT_LT(largest_difference(direct, barycentric::coefficients(pyramid, 0, 0)), 1e-13);
         }
 }
 
 template <class T>
-void expect_reconstruction(const SchemeSpec& spec, std::int64_t rows, std::int64_t cols, double tolerance) {
+void expect_reconstruction(const SchemeSpec& spec, std::int64_t rows, std::int64_t cols,
+                           double tolerance) {
     const auto data = noise_grid<T>(rows, cols, static_cast<std::uint64_t>(rows * 100 + cols));
     const auto pyramid = analysed(data, spec);
     EXPECT_LE(largest_difference(data, barycentric::coefficients(pyramid, 0, 0)), tolerance)
@@ -120,16 +129,22 @@ TEST(Barycentric, PerfectReconstruction) {
     const int pairs[][2] = {{1, 1}, {1, 3}, {1, 5}, {2, 2}, {2, 4}, {3, 1}, {3, 3}, {4, 2}, {4, 4}};
     for (const auto& size : kSizes) {
         for (const auto& pair : pairs) {
-            // Rounding grows with filter length and levels; the reference implementation reaches 1e-14.
-            expect_reconstruction<double>(spec_of(pair[0], Family::Compact, pair[1], 2), size[0], size[1], 2e-13);
-            expect_reconstruction<float>(spec_of(pair[0], Family::Compact, pair[1], 2), size[0], size[1], 1e-4);
+            // Rounding grows with filter length and levels; the reference implementation reaches
+            // 1e-14.
+            expect_reconstruction<double>(spec_of(pair[0], Family::Compact, pair[1], 2), size[0],
+                                          size[1], 2e-13);
+            expect_reconstruction<float>(spec_of(pair[0], Family::Compact, pair[1], 2), size[0],
+                                         size[1], 1e-4);
         }
         for (int order = 1; order <= 4; ++order) {
-            expect_reconstruction<double>(spec_of(order, Family::SemiOrthogonal, 0, 2), size[0], size[1], 2e-12);
-            expect_reconstruction<float>(spec_of(order, Family::SemiOrthogonal, 0, 2), size[0], size[1], 1e-3);
+            expect_reconstruction<double>(spec_of(order, Family::SemiOrthogonal, 0, 2), size[0],
+                                          size[1], 2e-12);
+            expect_reconstruction<float>(spec_of(order, Family::SemiOrthogonal, 0, 2), size[0],
+                                         size[1], 1e-3);
         }
     }
-    // All levels: the extension may triple values at each level's border, so rounding there grows by 3 a level.
+    // All levels: the extension may triple values at each level's border, so rounding there grows
+    // by 3 a level.
     expect_reconstruction<double>(spec_of(2, Family::Compact, 2, -1), 301, 700, 1e-10);
     expect_reconstruction<double>(spec_of(1, Family::Compact, 1, -1), 700, 301, 1e-12);
 }
@@ -148,13 +163,14 @@ TEST(Barycentric, PerfectReconstructionOfRandomSizes) {
 
 /// <S z, r> = <z, S^T r>.
 TEST(Barycentric, AdjointIsTheTranspose) {
-    for (const auto& spec : {spec_of(1, Family::Compact, 1, 3), spec_of(2, Family::Compact, 2, 2),
-                             spec_of(3, Family::SemiOrthogonal, 0, 2), spec_of(4, Family::Compact, 4, 1)}) {
+    for (const auto& spec :
+         {spec_of(1, Family::Compact, 1, 3), spec_of(2, Family::Compact, 2, 2),
+          spec_of(3, Family::SemiOrthogonal, 0, 2), spec_of(4, Family::Compact, 4, 1)}) {
         auto pyramid = Pyramid<double>::allocate(*barycentric::layout(spec, 23, 38, 1));
         auto gradient = Pyramid<double>::allocate(pyramid.layout);
         for (std::size_t k = 0; k < pyramid.bands.size(); ++k)
-            pyramid.bands[k][0] =
-                noise_grid<double>(pyramid.layout.bands[k].box.rows, pyramid.layout.bands[k].box.cols, k);
+            pyramid.bands[k][0] = noise_grid<double>(pyramid.layout.bands[k].box.rows,
+                                                     pyramid.layout.bands[k].box.cols, k);
         const auto residual = noise_grid<double>(23, 38, 99);
         barycentric::adjoint<double>(residual.view(), 0, gradient);
         double right = 0;
@@ -165,11 +181,14 @@ TEST(Barycentric, AdjointIsTheTranspose) {
     }
 }
 
-/// Two vanishing moments and an extension that continues planes. The extension of n samples is straight for n samples only, so
-/// the infinite semi-orthogonal filters need a box that is large against the decay of their poles.
+/// Two vanishing moments and an extension that continues planes. The extension of n samples is
+/// straight for n samples only, so the infinite semi-orthogonal filters need a box that is large
+/// against the decay of their poles.
 TEST(Barycentric, PlanesHaveNoDetails) {
-    for (const auto& [spec, n] : {std::pair{spec_of(2, Family::Compact, 2, 3), 40}, {spec_of(2, Family::Compact, 4, 1), 33},
-                                  {spec_of(3, Family::Compact, 3, 2), 41}, {spec_of(2, Family::SemiOrthogonal, 0, 1), 150},
+    for (const auto& [spec, n] : {std::pair{spec_of(2, Family::Compact, 2, 3), 40},
+                                  {spec_of(2, Family::Compact, 4, 1), 33},
+                                  {spec_of(3, Family::Compact, 3, 2), 41},
+                                  {spec_of(2, Family::SemiOrthogonal, 0, 1), 150},
                                   {spec_of(3, Family::SemiOrthogonal, 0, 1), 200}}) {
         Grid<double> plane(n, n - 7);
         for (std::int64_t r = 0; r < plane.rows(); ++r)
@@ -180,7 +199,8 @@ TEST(Barycentric, PlanesHaveNoDetails) {
             for (std::int64_t r = 0; r < pyramid.bands[k][0].rows(); ++r)
                 for (std::int64_t c = 0; c < pyramid.bands[k][0].cols(); ++c)
                     // Values of size 100, sums of a few hundred products.
-                    EXPECT_NEAR(pyramid.bands[k][0](r, c), 0, 1e-11) << pyramid.layout.bands[k].name;
+                    EXPECT_NEAR(pyramid.bands[k][0](r, c), 0, 1e-11)
+                        << pyramid.layout.bands[k].name;
     }
 }
 
@@ -234,7 +254,8 @@ TEST(Barycentric, StorageFollowsTheSpecification) {
     EXPECT_NEAR(percent(2, 4, 64), 364, 0.5);
 }
 
-/// Specification section 4.4: what the paper's truncated filters leave behind; the semi-orthogonal solves leave nothing.
+/// Specification section 4.4: what the paper's truncated filters leave behind; the semi-orthogonal
+/// solves leave nothing.
 TEST(Barycentric, TruncatedFiltersReproduceThePapersError) {
     const auto data = noise_grid<double>(128, 128, 77);
     const auto relative_error = [&](Family family) {

@@ -8,7 +8,8 @@ namespace {
 using test::rational;
 using test::reference;
 
-void expect_sequence(const nlohmann::json& expected, const Sequence& actual, const std::string& what) {
+void expect_sequence(const nlohmann::json& expected, const Sequence& actual,
+                     const std::string& what) {
     EXPECT_EQ(expected.size(), actual.taps.size()) << what;
     for (const auto& [n, value] : expected.items())
         EXPECT_NEAR(rational(value), actual(std::stoi(n)), 1e-15) << what << " at " << n;
@@ -27,8 +28,10 @@ TEST(Filters, MatchTheReferenceSequences) {
         expect_sequence(expected["q"], bank.q, name + " q");
         if (expected.contains("a")) expect_sequence(expected["a"], bank.a, name + " a");
         if (expected.contains("b")) expect_sequence(expected["b"], bank.b, name + " b");
-        if (expected.contains("Na") && name != "cw1") expect_sequence(expected["Na"], bank.a, name + " Na");
-        if (expected.contains("Nb") && name != "cw1") expect_sequence(expected["Nb"], bank.b, name + " Nb");
+        if (expected.contains("Na") && name != "cw1")
+            expect_sequence(expected["Na"], bank.a, name + " Na");
+        if (expected.contains("Nb") && name != "cw1")
+            expect_sequence(expected["Nb"], bank.b, name + " Nb");
     }
 }
 
@@ -48,7 +51,9 @@ TEST(Filters, PolesFactorTheSymbol) {
         const int reach = static_cast<int>(product.size() / 2);
         EXPECT_EQ(product.size(), sequences[name]["D"].size());
         for (const auto& [k, value] : sequences[name]["D"].items())
-            EXPECT_NEAR(rational(value), product[static_cast<std::size_t>(std::stoi(k) + reach)], 1e-14) << name;
+            EXPECT_NEAR(rational(value), product[static_cast<std::size_t>(std::stoi(k) + reach)],
+                        1e-14)
+                << name;
     }
     EXPECT_NEAR(bank_named("cw2").poles[0], std::sqrt(3.0) - 2, 1e-15);
 }
@@ -81,8 +86,8 @@ TEST(Filters, KernelsMatchTheReference) {
             for (const bool synthesis : {false, true}) {
                 const auto& table = expected[synthesis ? "synthesis" : "analysis"];
                 if (!table.contains(channel_name(c))) continue;
-                const HexKernel kernel =
-                    synthesis ? synthesis_kernel(bank_named(name), c) : analysis_kernel(bank_named(name), c);
+                const HexKernel kernel = synthesis ? synthesis_kernel(bank_named(name), c)
+                                                   : analysis_kernel(bank_named(name), c);
                 double missing = 0;
                 for (const double tap : kernel.taps) missing += std::abs(tap);
                 for (const auto& tap : table[channel_name(c)]) {
@@ -90,12 +95,14 @@ TEST(Filters, KernelsMatchTheReference) {
                     EXPECT_NEAR(value, kernel(tap[0].get<int>(), tap[1].get<int>()), 1e-15);
                     missing -= std::abs(value);
                 }
-                EXPECT_NEAR(missing, 0, 1e-12) << name << ' ' << channel_name(c) << ": taps outside the table";
+                EXPECT_NEAR(missing, 0, 1e-12)
+                    << name << ' ' << channel_name(c) << ": taps outside the table";
             }
 }
 
 TEST(Filters, UnknownPairsAreRefusedWithTheKnownOnes) {
-    EXPECT_NE(filter_bank(2, Family::Compact, 3).error().message.find("2,2 2,4"), std::string::npos);
+    EXPECT_NE(filter_bank(2, Family::Compact, 3).error().message.find("2,2 2,4"),
+              std::string::npos);
     EXPECT_EQ(filter_bank(5, Family::Compact, 0).error().code, ErrorCode::InvalidArgument);
     EXPECT_EQ(filter_bank(3, Family::TruncatedLiteral, 0).error().code, ErrorCode::InvalidArgument);
 }

@@ -4,14 +4,17 @@
 
 #include "relief/multires/barycentric.h"
 
-/// The definition, kept as the tests' reference: convolution with the projected hexagonal kernels, tap by tap.
+/// The definition, kept as the tests' reference: convolution with the projected hexagonal kernels,
+/// tap by tap.
 namespace relief::test {
 
 using multires::FilterBank;
 using multires::HexKernel;
 
-/// Value of the extension of a grid at any lattice point (specification section 5), one axis after the other.
-inline double extended(const Grid<double>& grid, const LatticeBox& box, std::int64_t i, std::int64_t j) {
+/// Value of the extension of a grid at any lattice point (specification section 5), one axis after
+/// the other.
+inline double extended(const Grid<double>& grid, const LatticeBox& box, std::int64_t i,
+                       std::int64_t j) {
     const auto along = [](std::int64_t k, std::int64_t n, auto&& value) {
         if (k < 0) return 2 * value(std::int64_t{0}) - value(std::min(-k, n - 1));
         if (k > n - 1) return 2 * value(n - 1) - value(std::max<std::int64_t>(2 * (n - 1) - k, 0));
@@ -36,8 +39,9 @@ Grid<double> direct_analysis(const HexKernel& kernel, const LatticeBox& box, Fin
 }
 
 /// fine += sum_x K(y - 2x) channel(x).
-inline void direct_synthesis(const HexKernel& kernel, const LatticeBox& box, const Grid<double>& channel,
-                             const LatticeBox& fine_box, Grid<double>& fine) {
+inline void direct_synthesis(const HexKernel& kernel, const LatticeBox& box,
+                             const Grid<double>& channel, const LatticeBox& fine_box,
+                             Grid<double>& fine) {
     for (std::int64_t r = 0; r < box.rows; ++r)
         for (std::int64_t c = 0; c < box.cols; ++c)
             for (std::int64_t i = kernel.box.row0; i < kernel.box.row0 + kernel.box.rows; ++i)

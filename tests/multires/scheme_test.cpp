@@ -12,7 +12,8 @@ using test::noise_grid;
 std::vector<SchemeSpec> all_specs() {
     std::vector<SchemeSpec> specs;
     for (const DataMap map : {DataMap::Interpolate, DataMap::Coefficients}) {
-        for (const int order : {1, 2}) specs.push_back({SchemeId::Box, order, Family::Compact, 0, -1, map});
+        for (const int order : {1, 2})
+            specs.push_back({SchemeId::Box, order, Family::Compact, 0, -1, map});
         for (const int order : {1, 2, 3}) {
             specs.push_back({SchemeId::Barycentric, order, Family::Compact, 0, 2, map});
             specs.push_back({SchemeId::Barycentric, order, Family::SemiOrthogonal, 0, 2, map});
@@ -30,7 +31,9 @@ Grid<double> smooth_grid(std::int64_t rows, std::int64_t cols) {
     Grid<double> grid(rows, cols);
     for (std::int64_t r = 0; r < rows; ++r)
         for (std::int64_t c = 0; c < cols; ++c)
-            grid(r, c) = std::sin(0.1 * static_cast<double>(r)) * std::cos(0.08 * static_cast<double>(c)) + 0.1 * static_cast<double>(r);
+            grid(r, c) =
+                std::sin(0.1 * static_cast<double>(r)) * std::cos(0.08 * static_cast<double>(c)) +
+                0.1 * static_cast<double>(r);
     return grid;
 }
 
@@ -47,7 +50,8 @@ TEST(Scheme, NormsMatchTheReference) {
         ASSERT_TRUE(bands.ok());
         ASSERT_EQ(bands->bands.size(), norms[name].size());
         for (std::size_t k = 0; k < bands->bands.size(); ++k)
-            EXPECT_NEAR(norms[name][k].get<double>(), bands->bands[k].norm_surface, 1e-9) << name << ' ' << k;
+            EXPECT_NEAR(norms[name][k].get<double>(), bands->bands[k].norm_surface, 1e-9)
+                << name << ' ' << k;
     }
 }
 
@@ -56,7 +60,8 @@ TEST(Scheme, NormsOfDeepLevelsAreThoseOfTheirAtoms) {
     SchemeSpec spec{SchemeId::Box, 2, Family::Compact, 0, 5, DataMap::Interpolate};
     auto pyramid = Pyramid<double>::allocate(*layout(spec, 1025, 1025, 1));
     for (auto& band : pyramid.bands)
-        for (std::int64_t r = 0; r < band[0].rows(); ++r) std::fill_n(band[0].row(r), band[0].cols(), 0.0);
+        for (std::int64_t r = 0; r < band[0].rows(); ++r)
+            std::fill_n(band[0].row(r), band[0].cols(), 0.0);
     pyramid.bands[1][0](16, 16) = 1;
     const auto samples = synthesise(pyramid);
     const double norm = std::sqrt(test::dot<double>(samples[0].view(), samples[0].view()));
@@ -65,10 +70,12 @@ TEST(Scheme, NormsOfDeepLevelsAreThoseOfTheirAtoms) {
 
 TEST(Scheme, SynthesisGivesTheSamplesBack) {
     for (const SchemeSpec& spec : all_specs())
-        for (const auto& [rows, cols] : {std::pair{1, 1}, {1, 7}, {5, 1}, {2, 3}, {9, 14}, {33, 50}}) {
+        for (const auto& [rows, cols] :
+             {std::pair{1, 1}, {1, 7}, {5, 1}, {2, 3}, {9, 14}, {33, 50}}) {
             std::vector<Grid<double>> planes;
             std::vector<GridView<const double>> views;
-            for (unsigned c = 0; c < 3; ++c) planes.push_back(noise_grid<double>(rows, cols, c + 1));
+            for (unsigned c = 0; c < 3; ++c)
+                planes.push_back(noise_grid<double>(rows, cols, c + 1));
             for (const auto& plane : planes) views.push_back(plane.view());
             SchemeSpec fitting = spec;
             if (spec.id == SchemeId::Box) fitting.levels = -1;
@@ -76,9 +83,11 @@ TEST(Scheme, SynthesisGivesTheSamplesBack) {
             ASSERT_TRUE(pyramid.ok()) << pyramid.error().text();
             const auto back = synthesise(*pyramid);
             ASSERT_EQ(back.size(), 3U);
-            // The prefilter may enlarge noise 50 times (order 3: 15), the border extension 3 times a level.
+            // The prefilter may enlarge noise 50 times (order 3: 15), the border extension 3 times
+            // a level.
             for (std::size_t c = 0; c < 3; ++c)
-                EXPECT_LT(largest_difference(planes[c], back[c]), 1e-10) << name_of(spec) << ' ' << rows << " x " << cols;
+                EXPECT_LT(largest_difference(planes[c], back[c]), 1e-10)
+                    << name_of(spec) << ' ' << rows << " x " << cols;
         }
 }
 
@@ -94,9 +103,11 @@ TEST(Scheme, LevelsSampleTheSameSurface) {
             ASSERT_EQ(coarse[0].cols(), (97 + step - 1) / step);
             for (std::int64_t r = 4; r < coarse[0].rows() - 4; ++r)
                 for (std::int64_t c = 4; c < coarse[0].cols() - 4; ++c)
-                    // Chords 4 samples long miss a wave of 0.1 radians a sample by (0.4)^2 / 8 = 0.02; samples taken for
-                    // coefficients are smoothed, at order 3 by half the variance 1/2 of M_333 times (0.4)^2 + (0.32)^2.
-                    EXPECT_NEAR(coarse[0](r, c), data(r * step, c * step), 0.07) << name_of(spec) << " level " << level;
+                    // Chords 4 samples long miss a wave of 0.1 radians a sample by (0.4)^2 / 8 =
+                    // 0.02; samples taken for coefficients are smoothed, at order 3 by half the
+                    // variance 1/2 of M_333 times (0.4)^2 + (0.32)^2.
+                    EXPECT_NEAR(coarse[0](r, c), data(r * step, c * step), 0.07)
+                        << name_of(spec) << " level " << level;
         }
     }
 }
@@ -107,7 +118,8 @@ TEST(Scheme, AdjointIsTheTranspose) {
         const auto bands = layout(spec, 21, 30, 1);
         auto pyramid = Pyramid<double>::allocate(*bands);
         for (std::size_t k = 0; k < pyramid.bands.size(); ++k)
-            pyramid.bands[k][0] = noise_grid<double>(bands->bands[k].box.rows, bands->bands[k].box.cols, k + 3);
+            pyramid.bands[k][0] =
+                noise_grid<double>(bands->bands[k].box.rows, bands->bands[k].box.cols, k + 3);
         const auto residual = noise_grid<double>(21, 30, 77);
         const auto gradient = adjoint<double>(*bands, {residual.view()});
         const auto samples = synthesise(pyramid);
@@ -128,7 +140,8 @@ TEST(Scheme, SubdivisionIsSynthesisWithoutDetails) {
         const int levels = pyramid.layout.levels();
         auto coarse = coefficients(pyramid, levels);
         const auto fine = subdivide(pyramid.layout, std::move(coarse), levels, 0);
-        EXPECT_LT(largest_difference(fine.planes[0], coefficients(pyramid, 0).planes[0]), 1e-12) << name_of(spec);
+        EXPECT_LT(largest_difference(fine.planes[0], coefficients(pyramid, 0).planes[0]), 1e-12)
+            << name_of(spec);
     }
 }
 
@@ -138,11 +151,13 @@ TEST(Scheme, RefusesWhatItCanNotDo) {
     EXPECT_EQ(layout({}, 5, 5, 5).error().code, ErrorCode::BadInput);
     EXPECT_EQ(layout({.order = 3}, 5, 5, 1).error().code, ErrorCode::InvalidArgument);
     EXPECT_EQ(layout({.levels = 40}, 5, 5, 1).error().code, ErrorCode::InvalidArgument);
-    EXPECT_NE(scheme_from_name("wavelet").error().message.find("barycentric, box"), std::string::npos);
+    EXPECT_NE(scheme_from_name("wavelet").error().message.find("barycentric, box"),
+              std::string::npos);
     EXPECT_EQ(analyse<double>({}, {}).error().code, ErrorCode::BadInput);
 }
 
-// --- editing ------------------------------------------------------------------------------------------------------
+// --- editing
+// ------------------------------------------------------------------------------------------------------
 
 /// Adding delta to a scaling coefficient adds delta * M(2^-m . - x): known supports, known values.
 TEST(Edit, MoveAddsOneBoxSpline) {
@@ -167,7 +182,8 @@ TEST(Edit, MoveAddsOneBoxSpline) {
                     }
                 }
             const bool values = spec.data_map == DataMap::Interpolate;
-            EXPECT_EQ(touched, (values ? supports : fine_supports)[spec.order - 1][level - 1]) << name_of(spec) << level;
+            EXPECT_EQ(touched, (values ? supports : fine_supports)[spec.order - 1][level - 1])
+                << name_of(spec) << level;
             // Integer translates of M sum to 1, so the samples of one scaled M sum to 4^level.
             EXPECT_NEAR(sum, 2.5 * std::pow(4, level), 1e-11);
         }
@@ -176,23 +192,29 @@ TEST(Edit, MoveAddsOneBoxSpline) {
 
 TEST(Edit, MovingThePyramidEqualsAddingTheDisplacement) {
     for (const SchemeSpec& spec : all_specs()) {
-        auto pyramid = *analyse<double>({noise_grid<double>(45, 52, 4).view(), noise_grid<double>(45, 52, 5).view()}, spec);
+        auto pyramid = *analyse<double>(
+            {noise_grid<double>(45, 52, 4).view(), noise_grid<double>(45, 52, 5).view()}, spec);
         const auto before = coefficients(pyramid, 0);
         std::vector<Grid<double>> finest_details;
         for (std::size_t k = 0; k < pyramid.bands.size(); ++k)
-            if (pyramid.layout.bands[k].level == 1) finest_details.push_back(pyramid.bands[k][0].clone());
-        const std::vector<Move> moves = {{1, 5, 9, {3, -1}}, {2, 4, 4, {-2, 0.5}}, {1, 0, 0, {1, 1}}};
+            if (pyramid.layout.bands[k].level == 1)
+                finest_details.push_back(pyramid.bands[k][0].clone());
+        const std::vector<Move> moves = {
+            {1, 5, 9, {3, -1}}, {2, 4, 4, {-2, 0.5}}, {1, 0, 0, {1, 1}}};
         ASSERT_TRUE(apply_moves(pyramid, moves).ok());
         const auto after = coefficients(pyramid, 0);
         const auto change = displacement<double>(pyramid.layout, moves, 0);
         for (std::size_t c = 0; c < 2; ++c)
             for (std::int64_t r = 0; r < 45; ++r)
                 for (std::int64_t k = 0; k < 52; ++k)
-                    EXPECT_NEAR(after.planes[c](r, k), before.planes[c](r, k) + change.planes[c](r, k), 1e-10) << name_of(spec);
+                    EXPECT_NEAR(after.planes[c](r, k),
+                                before.planes[c](r, k) + change.planes[c](r, k), 1e-10)
+                        << name_of(spec);
         std::size_t d = 0;
         for (std::size_t k = 0; k < pyramid.bands.size(); ++k)
             if (pyramid.layout.bands[k].level == 1) {
-                EXPECT_EQ(largest_difference(pyramid.bands[k][0], finest_details[d++]), 0) << "details are kept";
+                EXPECT_EQ(largest_difference(pyramid.bands[k][0], finest_details[d++]), 0)
+                    << "details are kept";
             }
     }
 }
@@ -200,8 +222,10 @@ TEST(Edit, MovingThePyramidEqualsAddingTheDisplacement) {
 TEST(Edit, MovesThatDoNotExistAreRefusedAndChangeNothing) {
     auto pyramid = *analyse<double>({noise_grid<double>(20, 20, 6).view()}, SchemeSpec{});
     const auto before = coefficients(pyramid, 0);
-    EXPECT_EQ(apply_moves(pyramid, {{1, 2, 2, {1}}, {99, 0, 0, {1}}}).error().code, ErrorCode::InvalidArgument);
-    EXPECT_EQ(apply_moves(pyramid, {{1, 2, 2, {1}}, {1, -1, 0, {1}}}).error().code, ErrorCode::InvalidArgument);
+    EXPECT_EQ(apply_moves(pyramid, {{1, 2, 2, {1}}, {99, 0, 0, {1}}}).error().code,
+              ErrorCode::InvalidArgument);
+    EXPECT_EQ(apply_moves(pyramid, {{1, 2, 2, {1}}, {1, -1, 0, {1}}}).error().code,
+              ErrorCode::InvalidArgument);
     EXPECT_EQ(largest_difference(before.planes[0], coefficients(pyramid, 0).planes[0]), 0);
 }
 

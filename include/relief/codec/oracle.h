@@ -5,8 +5,9 @@
 
 #include "relief/multires/scheme.h"
 
-/// Which coefficients stay: magnitude weighted by the norm of the basis function, optionally followed by least squares over
-/// the kept ones and by reselection. Knows pyramids, not schemes. Specification: barycentric-mra section 10.
+/// Which coefficients stay: magnitude weighted by the norm of the basis function, optionally
+/// followed by least squares over the kept ones and by reselection. Knows pyramids, not schemes.
+/// Specification: barycentric-mra section 10.
 namespace relief::codec {
 
 using multires::Pyramid;
@@ -31,20 +32,24 @@ struct Selection {
     std::int64_t kept = 0;
 };
 
-/// The `keep` coefficients of largest weighted magnitude (root of the sum of squares over components); the scaling band
-/// counts and always stays. Ties are broken by position. Complexity: O(coefficients).
-[[nodiscard]] Selection select_largest(const Pyramid<double>& pyramid, std::int64_t keep, Metric metric = Metric::Samples);
+/// The `keep` coefficients of largest weighted magnitude (root of the sum of squares over
+/// components); the scaling band counts and always stays. Ties are broken by position. Complexity:
+/// O(coefficients).
+[[nodiscard]] Selection select_largest(const Pyramid<double>& pyramid, std::int64_t keep,
+                                       Metric metric = Metric::Samples);
 
 /// All coefficients whose weighted magnitude is at least `threshold`, and the scaling band.
-[[nodiscard]] Selection select_above(const Pyramid<double>& pyramid, double threshold, Metric metric = Metric::Samples);
+[[nodiscard]] Selection select_above(const Pyramid<double>& pyramid, double threshold,
+                                     Metric metric = Metric::Samples);
 
 /// Sets what is not kept to zero.
 void apply(const Selection& selection, Pyramid<double>& pyramid);
 
-/// Least squares over the kept coefficients by conjugate gradients from their present values: reduces the squared
-/// error at the samples of `target`. Requires: the rest of the pyramid is zero.
+/// Least squares over the kept coefficients by conjugate gradients from their present values:
+/// reduces the squared error at the samples of `target`. Requires: the rest of the pyramid is zero.
 /// Complexity: O(iterations * samples).
-void refit(Pyramid<double>& pyramid, const Selection& selection, const Target& target, int iterations = 20);
+void refit(Pyramid<double>& pyramid, const Selection& selection, const Target& target,
+           int iterations = 20);
 
 /// How much work goes into a choice of coefficients.
 enum class Effort : std::uint8_t {
@@ -53,7 +58,8 @@ enum class Effort : std::uint8_t {
     Reselect,  ///< and six rounds of reselection first; worthwhile for frames
 };
 
-/// Keeps `keep` coefficients of the analysis `pyramid` of `target` and improves them. Returns what is kept.
+/// Keeps `keep` coefficients of the analysis `pyramid` of `target` and improves them. Returns what
+/// is kept.
 Selection choose(Pyramid<double>& pyramid, std::int64_t keep, const Target& target, Effort effort);
 
 }  // namespace relief::codec

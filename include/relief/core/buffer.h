@@ -8,13 +8,15 @@
 namespace relief {
 
 namespace detail {
-/// Cache-line aligned storage; blocks of 4 MiB and more are aligned to huge pages and offered to them,
-/// because first touch of small pages costs more than a whole transform. Throws std::bad_alloc.
+/// Cache-line aligned storage; blocks of 4 MiB and more are aligned to huge pages and offered to
+/// them, because first touch of small pages costs more than a whole transform. Throws
+/// std::bad_alloc.
 void* allocate_aligned(std::size_t bytes);
 void free_aligned(void* block) noexcept;
 }  // namespace detail
 
-/// An owned, fixed-size, cache-line aligned array. Elements are NOT initialised: whoever allocates, fills.
+/// An owned, fixed-size, cache-line aligned array. Elements are NOT initialised: whoever allocates,
+/// fills.
 template <class T>
 class Buffer {
     static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
@@ -22,7 +24,8 @@ class Buffer {
   public:
     Buffer() = default;
     explicit Buffer(std::size_t size)
-        : data_(size ? static_cast<T*>(detail::allocate_aligned(size * sizeof(T))) : nullptr), size_(size) {}
+        : data_(size ? static_cast<T*>(detail::allocate_aligned(size * sizeof(T))) : nullptr),
+          size_(size) {}
 
     [[nodiscard]] T* data() { return data_.get(); }
     [[nodiscard]] const T* data() const { return data_.get(); }

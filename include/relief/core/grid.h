@@ -36,22 +36,24 @@ struct GridView {
         : data(first), rows(row_count), cols(col_count), stride(row_stride) {}
     /// A view of mutable elements is also a view of const ones.
     template <class U>
-        requires std::is_same_v<const U, T>
-    GridView(const GridView<U>& o) : data(o.data), rows(o.rows), cols(o.cols), stride(o.stride) {}  // NOLINT
+    requires std::is_same_v<const U, T> GridView(const GridView<U>& o)
+        : data(o.data), rows(o.rows), cols(o.cols), stride(o.stride) {}  // NOLINT
 
     [[nodiscard]] T* row(std::int64_t r) const { return data + r * stride; }
     T& operator()(std::int64_t r, std::int64_t c) const { return data[r * stride + c]; }
     [[nodiscard]] std::int64_t count() const { return rows * cols; }
 };
 
-/// An owned grid; rows are cache-line aligned. Elements are NOT initialised by the sized constructor.
-/// Complexity: construction O(1) apart from page faults on first touch.
+/// An owned grid; rows are cache-line aligned. Elements are NOT initialised by the sized
+/// constructor. Complexity: construction O(1) apart from page faults on first touch.
 template <class T>
 class Grid {
   public:
     Grid() = default;
     Grid(std::int64_t rows, std::int64_t cols)
-        : rows_(rows), cols_(cols), stride_(padded(cols)),
+        : rows_(rows),
+          cols_(cols),
+          stride_(padded(cols)),
           buffer_(static_cast<std::size_t>(rows * stride_)) {}
     Grid(std::int64_t rows, std::int64_t cols, T value) : Grid(rows, cols) {
         std::fill_n(buffer_.data(), buffer_.size(), value);
@@ -65,7 +67,9 @@ class Grid {
     T* row(std::int64_t r) { return buffer_.data() + r * stride_; }
     [[nodiscard]] const T* row(std::int64_t r) const { return buffer_.data() + r * stride_; }
     T& operator()(std::int64_t r, std::int64_t c) { return buffer_.data()[r * stride_ + c]; }
-    const T& operator()(std::int64_t r, std::int64_t c) const { return buffer_.data()[r * stride_ + c]; }
+    const T& operator()(std::int64_t r, std::int64_t c) const {
+        return buffer_.data()[r * stride_ + c];
+    }
 
     [[nodiscard]] GridView<T> view() { return {buffer_.data(), rows_, cols_, stride_}; }
     [[nodiscard]] GridView<const T> view() const { return {buffer_.data(), rows_, cols_, stride_}; }
@@ -77,7 +81,8 @@ class Grid {
     }
 
   private:
-    /// Rows start on cache lines, and never a multiple of 4096 bytes apart (rows would share cache sets).
+    /// Rows start on cache lines, and never a multiple of 4096 bytes apart (rows would share cache
+    /// sets).
     static std::int64_t padded(std::int64_t cols) {
         constexpr std::int64_t line = 64 / static_cast<std::int64_t>(sizeof(T));
         if (cols < line) return cols;

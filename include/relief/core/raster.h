@@ -12,7 +12,8 @@
 #include "relief/core/grid.h"
 #include "relief/core/result.h"
 
-/// A raster in memory: what readers deliver, what the codec keeps, what writers and pictures take. No file format here.
+/// A raster in memory: what readers deliver, what the codec keeps, what writers and pictures take.
+/// No file format here.
 namespace relief {
 
 /// How a file stores one sample.
@@ -26,10 +27,10 @@ enum class SampleType : std::uint8_t { UInt8, UInt16, Int16, UInt32, Int32, Floa
 /// Smallest and largest finite value of a type.
 [[nodiscard]] std::pair<double, double> sample_range(SampleType type);
 
-/// What a file of this type holds for a valid sample: integers are rounded to nearest (ties to even), values are clamped to
-/// the type's range, and a value that a reader would take for `nodata` is moved to the neighbour on its own side
-/// (integers by one; floats by 8 units of relative precision, because readers compare with a tolerance).
-/// Requires: value is finite.
+/// What a file of this type holds for a valid sample: integers are rounded to nearest (ties to
+/// even), values are clamped to the type's range, and a value that a reader would take for `nodata`
+/// is moved to the neighbour on its own side (integers by one; floats by 8 units of relative
+/// precision, because readers compare with a tolerance). Requires: value is finite.
 [[nodiscard]] double stored_value(double value, SampleType type, std::optional<double> nodata);
 
 /// out[k] = stored_value(values[k], type, nodata) for k < n; `out` may be `values`. The type is
@@ -42,7 +43,7 @@ struct GeoReference {
     /// x = t[0] + t[1] col + t[2] row, y = t[3] + t[4] col + t[5] row; (col, row) = (0, 0) is the
     /// outer corner of the first sample's cell, its centre is (0.5, 0.5).
     std::optional<std::array<double, 6>> transform = {};
-    std::string crs_wkt = {};          ///< WKT2:2019; empty: unknown. x is always east or longitude.
+    std::string crs_wkt = {};     ///< WKT2:2019; empty: unknown. x is always east or longitude.
     bool pixel_is_point = false;  ///< samples stand for points, not for the mean of a cell
 
     friend bool operator==(const GeoReference&, const GeoReference&) = default;
@@ -60,10 +61,13 @@ struct Raster {
     std::string unit = {};  ///< of the samples: "m", "ft"; empty: unknown
     double scale = 1;  ///< physical value = sample x scale + offset: kept for the file, not applied
     double offset = 0;
-    std::vector<std::string> band_names = {};                        ///< one a plane, or none
-    std::vector<std::pair<std::string, std::string>> metadata = {};  ///< of the default domain, in order
+    std::vector<std::string> band_names = {};  ///< one a plane, or none
+    std::vector<std::pair<std::string, std::string>> metadata =
+        {};  ///< of the default domain, in order
 
-    [[nodiscard]] bool valid(std::int64_t row, std::int64_t col) const { return mask.empty() || mask(row, col) != 0; }
+    [[nodiscard]] bool valid(std::int64_t row, std::int64_t col) const {
+        return mask.empty() || mask(row, col) != 0;
+    }
     [[nodiscard]] std::int64_t valid_count() const;
 };
 

@@ -5,7 +5,8 @@
 #include <utility>
 #include <variant>
 
-/// Errors as values. Bad data never throws across the interface; only std::bad_alloc passes through.
+/// Errors as values. Bad data never throws across the interface; only std::bad_alloc passes
+/// through.
 namespace relief {
 
 enum class ErrorCode {
@@ -18,14 +19,17 @@ enum class ErrorCode {
     Cancelled,        ///< the caller asked to stop
 };
 
-/// What went wrong (`message`, which also says what to do) and where (`where`: a file, byte, row or element).
+/// What went wrong (`message`, which also says what to do) and where (`where`: a file, byte, row or
+/// element).
 struct Error {
     ErrorCode code = ErrorCode::BadInput;
     std::string message;
     std::string where;
 
     /// One line: "where: message".
-    [[nodiscard]] std::string text() const { return where.empty() ? message : where + ": " + message; }
+    [[nodiscard]] std::string text() const {
+        return where.empty() ? message : where + ": " + message;
+    }
 };
 
 /// A value or the error that prevented it.
@@ -76,9 +80,8 @@ using Status = Result<void>;
 #define RELIEF_CONCAT(a, b) RELIEF_CONCAT_INNER(a, b)
 
 /// Returns the error of `expression` from the enclosing function, if it has one.
-#define RELIEF_CHECK(expression)                                         \
-    if (auto relief_status = (expression); !relief_status.ok())          \
-        return relief_status.error();                                    \
+#define RELIEF_CHECK(expression)                                                              \
+    if (auto relief_status = (expression); !relief_status.ok()) return relief_status.error(); \
     static_assert(true)
 
 /// `RELIEF_TRY(auto x, f());` declares x from the value of f(), or returns its error.

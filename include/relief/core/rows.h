@@ -3,9 +3,10 @@
 #include <cstdint>
 
 /// Element-wise kernels on rows of float or double, the building blocks of every raster transform.
-/// Each has a vector version chosen at run time and a scalar twin (relief/core/simd.h); both evaluate the same
-/// expression in the same order without fused multiply-add, so results agree to the bit on every machine.
-/// No alignment is required. `out` must not overlap an input unless stated.
+/// Each has a vector version chosen at run time and a scalar twin (relief/core/simd.h); both
+/// evaluate the same expression in the same order without fused multiply-add, so results agree to
+/// the bit on every machine. No alignment is required. `out` must not overlap an input unless
+/// stated.
 namespace relief {
 
 template <class T>
@@ -14,8 +15,9 @@ struct RowTap {
     T weight;
 };
 
-/// out[k] = (((t0 + t1) + t2) + ...), t = weight * row[k]; a weight of exactly 1 or -1 is still one multiplication.
-/// `out` may be one of the rows. Requires count >= 1. Complexity: O(n * count), one pass.
+/// out[k] = (((t0 + t1) + t2) + ...), t = weight * row[k]; a weight of exactly 1 or -1 is still one
+/// multiplication. `out` may be one of the rows. Requires count >= 1. Complexity: O(n * count), one
+/// pass.
 template <class T>
 void row_fir(T* out, std::int64_t n, const RowTap<T>* taps, int count);
 

@@ -28,8 +28,9 @@ using multires::Workspace;
 
 /// Finest scaling coefficients to the bands of `component`. Reconstruction is exact up to rounding.
 /// Requires: `out` allocated for a layout of this scheme; `finest` finite and of its size.
-/// With first_level above 0 `finest` holds the scaling coefficients of that level, and only the bands
-/// above it are written. Complexity: O(samples); memory beyond the pyramid: 5/16 of the samples, and some rows.
+/// With first_level above 0 `finest` holds the scaling coefficients of that level, and only the
+/// bands above it are written. Complexity: O(samples); memory beyond the pyramid: 5/16 of the
+/// samples, and some rows.
 template <class T>
 void analyse(GridView<const T> finest, int component, Pyramid<T>& out);
 template <class T>

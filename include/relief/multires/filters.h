@@ -6,8 +6,10 @@
 #include "relief/core/result.h"
 #include "relief/multires/pyramid.h"
 
-/// The one table of scheme `barycentric`: its 1D sequences. Analysis correlates, synthesis convolves:
-///   s(x) = sum a(n) c(2x + n),  d(x) = sum b(n) c(2x + n),  c(y) = sum_x p(y - 2x) s(x) + q(y - 2x) d(x).
+/// The one table of scheme `barycentric`: its 1D sequences. Analysis correlates, synthesis
+/// convolves:
+///   s(x) = sum a(n) c(2x + n),  d(x) = sum b(n) c(2x + n),  c(y) = sum_x p(y - 2x) s(x) + q(y -
+///   2x) d(x).
 /// The specification's section 2 gives the derivations; sums: p 2, a 1 (after division by D).
 namespace relief::multires {
 
@@ -31,8 +33,9 @@ struct FilterBank {
     int margin = 0;  ///< coarse steps until the slowest pole has decayed below 1e-16
 };
 
-/// Spline orders d = 1 .. 4. Compact pairs (d, dual) offered: (1,1) (1,3) (1,5) (2,2) (2,4) (3,1) (3,3) (4,2) (4,4); dual 0
-/// means d. The truncated families have order 2 only. Errors: InvalidArgument naming what exists.
+/// Spline orders d = 1 .. 4. Compact pairs (d, dual) offered: (1,1) (1,3) (1,5) (2,2) (2,4) (3,1)
+/// (3,3) (4,2) (4,4); dual 0 means d. The truncated families have order 2 only. Errors:
+/// InvalidArgument naming what exists.
 [[nodiscard]] Result<FilterBank> filter_bank(int order, Family family, int dual_order);
 
 /// Which of the two sequences acts along e1, e2, e3 in channel 0 (aaa) .. 7 (bbb); true: b or q.
@@ -46,14 +49,19 @@ struct HexKernel {
     std::vector<double> taps;
 
     [[nodiscard]] double operator()(int i, int j) const {
-        return box.contains(i, j) ? taps[static_cast<std::size_t>((i - box.row0) * box.cols + j - box.col0)] : 0.0;
+        return box.contains(i, j)
+                   ? taps[static_cast<std::size_t>((i - box.row0) * box.cols + j - box.col0)]
+                   : 0.0;
     }
 };
 
-/// scale * sum over all l of f(i + l) g(j + l) h(l): the projection of a tensor product along (1,1,1).
-[[nodiscard]] HexKernel project(const Sequence& f, const Sequence& g, const Sequence& h, double scale);
+/// scale * sum over all l of f(i + l) g(j + l) h(l): the projection of a tensor product along
+/// (1,1,1).
+[[nodiscard]] HexKernel project(const Sequence& f, const Sequence& g, const Sequence& h,
+                                double scale);
 
-/// Analysis kernel of a channel (numerators, where the bank has poles) and synthesis kernel (all shifts, times 1/2).
+/// Analysis kernel of a channel (numerators, where the bank has poles) and synthesis kernel (all
+/// shifts, times 1/2).
 [[nodiscard]] HexKernel analysis_kernel(const FilterBank& bank, int channel);
 [[nodiscard]] HexKernel synthesis_kernel(const FilterBank& bank, int channel);
 

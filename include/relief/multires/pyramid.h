@@ -19,11 +19,13 @@ enum class SchemeId : std::uint8_t {
 enum class Family : std::uint8_t {
     Compact,           ///< biorthogonal pair (d, dual order), all filters finite
     SemiOrthogonal,    ///< Chui-Wang; analysis by exact recursive solves
-    TruncatedCorrect,  ///< the paper's 19- and 17-tap filters with b corrected: reproduction only, not exact
+    TruncatedCorrect,  ///< the paper's 19- and 17-tap filters with b corrected: reproduction only,
+                       ///< not exact
     TruncatedLiteral,  ///< the paper's table to the letter
 };
 
-/// How raster samples and finest scaling coefficients correspond. For linear surfaces all three are the same.
+/// How raster samples and finest scaling coefficients correspond. For linear surfaces all three are
+/// the same.
 enum class DataMap : std::uint8_t {
     Interpolate,       ///< the surface passes through the samples
     QuasiInterpolate,  ///< local, fourth-order accurate; the surface smooths the samples slightly
@@ -33,10 +35,10 @@ enum class DataMap : std::uint8_t {
 /// Everything that fixes a scheme but the data.
 struct SchemeSpec {
     SchemeId id = SchemeId::Box;
-    int order = 2;                             ///< d: 1 linear C0, 2 quartic C2, 3 degree 7 C4, 4 degree 10 C6
-    Family family = Family::Compact;           ///< barycentric only
-    int dual_order = 0;                        ///< barycentric compact only; 0: the same as order
-    int levels = -1;                           ///< -1: as many as are useful for the size
+    int order = 2;  ///< d: 1 linear C0, 2 quartic C2, 3 degree 7 C4, 4 degree 10 C6
+    Family family = Family::Compact;  ///< barycentric only
+    int dual_order = 0;               ///< barycentric compact only; 0: the same as order
+    int levels = -1;                  ///< -1: as many as are useful for the size
     DataMap data_map = DataMap::Interpolate;
 
     friend bool operator==(const SchemeSpec&, const SchemeSpec&) = default;
@@ -44,22 +46,23 @@ struct SchemeSpec {
 
 /// One band's place in the pyramid.
 struct BandLayout {
-    std::string name;          ///< "aaa" (scaling), "aab" ..; "scaling", "edge1" ..
-    int level = 0;             ///< 1: finest details .. levels: coarsest details and the scaling band
-    int channel = 0;           ///< 0: scaling; details count from 1
-    LatticeBox box;            ///< in units of 2^level samples; (i, j) sits at fine (2^level i, 2^level j)
-    double norm_samples = 1;   ///< root of the sum of squares, over the raster samples, of one unit of a coefficient
-    double norm_surface = 1;   ///< L2 norm of the atom as a surface (area in samples)
-    double norm_max = 1;       ///< largest absolute value of the atom at a sample
+    std::string name;  ///< "aaa" (scaling), "aab" ..; "scaling", "edge1" ..
+    int level = 0;     ///< 1: finest details .. levels: coarsest details and the scaling band
+    int channel = 0;   ///< 0: scaling; details count from 1
+    LatticeBox box;    ///< in units of 2^level samples; (i, j) sits at fine (2^level i, 2^level j)
+    double norm_samples =
+        1;  ///< root of the sum of squares, over the raster samples, of one unit of a coefficient
+    double norm_surface = 1;  ///< L2 norm of the atom as a surface (area in samples)
+    double norm_max = 1;      ///< largest absolute value of the atom at a sample
 };
 
-/// Which bands a raster of rows x cols has under a scheme. bands[0] is the coarsest scaling band, then
-/// details from the coarsest level to level 1, channels ascending within a level.
+/// Which bands a raster of rows x cols has under a scheme. bands[0] is the coarsest scaling band,
+/// then details from the coarsest level to level 1, channels ascending within a level.
 struct PyramidLayout {
-    SchemeSpec spec;           ///< with levels and dual_order resolved
+    SchemeSpec spec;  ///< with levels and dual_order resolved
     std::int64_t rows = 0;
     std::int64_t cols = 0;
-    int components = 1;        ///< 1 .. 4, planar
+    int components = 1;  ///< 1 .. 4, planar
     std::vector<BandLayout> bands;
 
     [[nodiscard]] int levels() const { return spec.levels; }
@@ -87,7 +90,8 @@ struct Pyramid {
         p.layout = std::move(layout);
         for (const BandLayout& band : p.layout.bands) {
             Planes<T> planes;
-            for (int c = 0; c < p.layout.components; ++c) planes.emplace_back(band.box.rows, band.box.cols);
+            for (int c = 0; c < p.layout.components; ++c)
+                planes.emplace_back(band.box.rows, band.box.cols);
             p.bands.push_back(std::move(planes));
         }
         return p;
