@@ -83,9 +83,9 @@ TEST(HostileBytes, RasterChunksWhoseChecksumsHold) {
     for (std::uint8_t file = 0; file < fuzz::valid_rasters().size(); ++file) {
         // One edit of three bytes in each of a few chunks; mutation moves and multiplies them.
         Bytes edits = {file};
-        for (std::uint8_t chunk = 0; chunk < 4; ++chunk)
-            edits.insert(edits.end(),
-                         {chunk, static_cast<std::uint8_t>(7 * chunk), 0, 3, 1, 255, 16});
+        for (const int chunk : {0, 1, 2, 3})
+            for (const int byte : {chunk, 7 * chunk, 0, 3, 1, 255, 16})
+                edits.push_back(static_cast<std::uint8_t>(byte));
         run_mutations(
             edits, [](const Bytes& bytes) { fuzz::raster_chunks(bytes); }, 400);
     }
