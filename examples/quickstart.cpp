@@ -19,8 +19,7 @@ relief::Status run(const char* raster_path, const char* relief_path, double max_
     std::printf("%zu bytes, every sample within %g\n", encoded.bytes.size(), encoded.report.bound);
 
     RELIEF_TRY(auto bytes, io::read_file(relief_path));
-    const std::uint64_t size = bytes.size();
-    RELIEF_TRY(const auto file, codec::RasterFile::open(std::move(bytes), size));
+    RELIEF_TRY(const auto file, codec::RasterFile::open(std::move(bytes)));
     RELIEF_TRY(const auto net, file.control_net());
     RELIEF_TRY(const auto surface,
                spline::BoxSurface<double>::create(net[0].view(), file.layout().spec.order));
