@@ -158,7 +158,7 @@ class RmsError(Case):
 class Bytes(Case):
     def test_kept_and_used(self):
         for dtype in ("int16", "float32"):
-            dem = self.raster("dem.tif", stored(dtype, 150, 200))
+            dem = self.raster("dem.tif", stored(dtype, 100, 120))
             for scheme in ("box", "barycentric"):
                 for size in (2500, 9000):
                     with self.subTest(dtype=dtype, scheme=scheme, size=size):

@@ -17,9 +17,9 @@ class Terrain(Case):
         return paths
 
     def middle(self, path):
-        """A cut of at most 240 x 200 samples around the middle, with all that surrounds it."""
+        """A cut of at most 180 x 150 samples around the middle, with all that surrounds it."""
         source = gdal.Open(path)
-        cols, rows = min(240, source.RasterXSize), min(200, source.RasterYSize)
+        cols, rows = min(180, source.RasterXSize), min(150, source.RasterYSize)
         target = self.path(os.path.basename(path))
         gdal.Translate(target, source, srcWin=[(source.RasterXSize - cols) // 2,
                                                (source.RasterYSize - rows) // 2, cols, rows])
