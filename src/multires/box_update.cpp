@@ -130,12 +130,12 @@ HWY_INLINE void sum_shifts(const EdgeRows<T>& edges, std::int64_t first, std::in
         if constexpr (shift_reach(kOrder) == 2) {
             const auto far_left = sum_weights<kOrder, 0, top>(edges, c, weights);
             const auto far_right = sum_weights<kOrder, 4, top>(edges, c, weights);
-            hn::StoreU(far_left, d, sums[0] + c - first);
-            hn::StoreU(far_right, d, sums[4] + c - first);
+            hn::StoreU(far_left, d, sums[0] + (c - first));
+            hn::StoreU(far_right, d, sums[4] + (c - first));
         }
-        hn::StoreU(left, d, sums[1] + c - first);
-        hn::StoreU(middle, d, sums[2] + c - first);
-        hn::StoreU(right, d, sums[3] + c - first);
+        hn::StoreU(left, d, sums[1] + (c - first));
+        hn::StoreU(middle, d, sums[2] + (c - first));
+        hn::StoreU(right, d, sums[3] + (c - first));
     }
 }
 
