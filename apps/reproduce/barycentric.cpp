@@ -43,12 +43,8 @@ SchemeSpec spec_of(SchemeId id, int order, Family family, int levels) {
 // ----------------------------------------------------------------------------------------------------
 
 void storage(Rows& rows) {
-    double percent = 25;
-    for (int level = 1; level <= 3; ++level) {
-        percent = 100 * (7.0 / 3 - 4.0 / 3 * std::pow(0.25, level));
-        if (level == 3)
-            rows.add("section 5, figure 15", "storage of 3 levels, % of the samples", 231, percent);
-    }
+    rows.add("section 5, figure 15", "storage of 3 levels, % of the samples", 231,
+             100 * (7.0 / 3 - 4.0 / 3 * std::pow(0.25, 3)));
     const auto layout =
         multires::layout(spec_of(SchemeId::Barycentric, 1, Family::Compact, 3), 4096, 4096, 1);
     rows.add("section 5, figure 15", "the same, 4096 x 4096 with borders", 231,
@@ -88,8 +84,6 @@ void matrix_21(Rows& rows) {
                                    {1, 1, -1, -1, -1, -1, 1, 1}, {1, 1, 1, -1, 1, -1, -1, -1},
                                    {1, -1, 1, -1, -1, 1, -1, 1}};
     const FilterBank haar = *multires::filter_bank(1, Family::Compact, 1);
-    // The paper names its axes in its own order: the best assignment of our six neighbours to its
-    // rows counts.
     int equal = 0;
     for (int r = 0; r < 7; ++r)
         for (int c = 0; c < 8; ++c)
@@ -148,8 +142,10 @@ int continuity(int order) {
 void smoothness(Rows& rows) {
     rows.add("sections 2.2, 2.6", "continuity of linear bases", 0, continuity(1));
     rows.add("sections 2.2, 2.6", "continuity of quartic bases", 2, continuity(2));
-    rows.add("section 2.6", "polynomial degree of Haar's projection", 1, 3 * 1 - 2);
-    rows.add("section 2.6", "polynomial degree of linear B-splines' projection", 4, 3 * 2 - 2);
+    rows.add("section 2.6", "polynomial degree of Haar's projection", 1,
+             spline::box_spline(1).degree);
+    rows.add("section 2.6", "polynomial degree of linear B-splines' projection", 4,
+             spline::box_spline(2).degree);
 }
 
 void supports(Rows& rows) {
