@@ -25,6 +25,11 @@ class ByteWriter {
         std::memcpy(&bits, &value, sizeof bits);
         u64(bits);
     }
+    /// Seven bits a byte, lowest first; the top bit says that more follow.
+    void varint(std::uint64_t value) {
+        for (; value >= 0x80; value >>= 7) u8(static_cast<std::uint8_t>(value | 0x80));
+        u8(static_cast<std::uint8_t>(value));
+    }
     void bytes(std::span<const std::uint8_t> more) {
         bytes_.insert(bytes_.end(), more.begin(), more.end());
     }
@@ -60,6 +65,29 @@ class ByteReader {
         double value = 0;
         std::memcpy(&value, &bits, sizeof value);
         return value;
+    }
+    /// At most 10 bytes; more, or more than 64 bits, fail.
+    std::uint64_t varint() {
+        std::uint64_t value = 0;
+        for (int shift = 0; shift < 64; shift += 7) {
+            const std::uint64_t byte = u8();
+            if (shift == 63 && byte > 1) break;
+            value |= (byte & 0x7f) << shift;
+            if (byte < 0x80) return value;
+        }
+        failed_ = true;
+        return 0;
+    }
+    /// The next `count` bytes; none and failed() when there are fewer.
+    std::span<const std::uint8_t> take(std::uint64_t count) {
+        if (rest_.size() < count) {
+            failed_ = true;
+            rest_ = {};
+            return {};
+        }
+        const auto taken = rest_.first(static_cast<std::size_t>(count));
+        rest_ = rest_.subspan(taken.size());
+        return taken;
     }
     [[nodiscard]] bool failed() const { return failed_; }
     [[nodiscard]] std::span<const std::uint8_t> rest() const { return rest_; }

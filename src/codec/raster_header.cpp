@@ -150,6 +150,62 @@ Status read_scheme(const Json& json, multires::SchemeSpec& spec) {
     return {};
 }
 
+Json lattice_json(const LatticeCoding& coding) {
+    Json json{{"profile", profile_name(coding.profile)}};
+    if (coding.tightening != 1) json["tightening"] = coding.tightening;
+    for (const IntegerDomain& domain : coding.domains) {
+        Json item{{"unit", domain.unit}, {"highest", domain.highest}};
+        if (domain.origin != 0) item["origin"] = domain.origin;
+        if (domain.step != 1) item["step"] = domain.step;
+        if (domain.lattice) item["lattice"] = true;
+        json["domains"].push_back(std::move(item));
+    }
+    return json;
+}
+
+Status read_domain(const Json& json, IntegerDomain& domain) {
+    constexpr std::int32_t largest = 1 << 29;
+    Reader reader(json);
+    domain.unit = reader.get("unit", 0.0, true);
+    domain.highest = reader.get<std::int32_t>("highest", 0, true);
+    domain.origin = reader.get("origin", 0.0);
+    domain.step = reader.get<std::int32_t>("step", 1);
+    domain.lattice = reader.get("lattice", false);
+    RELIEF_CHECK(reader.status());
+    if (!(domain.unit > 0) || !std::isfinite(domain.unit) || !(std::abs(domain.origin) < 0x1p53) ||
+        domain.origin != std::floor(domain.origin))
+        return bad("the unit or origin of its integers is out of range");
+    if (domain.highest < 0 || domain.highest >= largest || domain.step < 1 ||
+        domain.step > largest || domain.step % 2 == 0)
+        return bad("the range or step of its integers is out of range");
+    return {};
+}
+
+Status read_lattice(const Json& json, RasterHeader& header) {
+    Reader reader(json);
+    LatticeCoding coding;
+    const auto profile = reader.get<std::string>("profile", "", true);
+    coding.tightening = reader.get("tightening", 1.0);
+    const Json& domains = reader.array("domains");
+    RELIEF_CHECK(reader.status());
+    coding.profile = profile == profile_name(Profile::Fast) ? Profile::Fast : Profile::Dense;
+    if (profile != profile_name(coding.profile))
+        return Error{ErrorCode::Unsupported,
+                     "the profile '" + profile + "' is of a newer version of relief", "header"};
+    if (!(coding.tightening >= 1 && coding.tightening <= 4))
+        return bad("the tightening of its steps is out of range");
+    if (domains.size() != static_cast<std::size_t>(header.components))
+        return bad("the number of its integer domains is not that of its components");
+    for (const Json& item : domains) {
+        if (!item.is_object()) return bad("an integer domain is not an object");
+        RELIEF_CHECK(read_domain(item, coding.domains.emplace_back()));
+    }
+    coding.type = header.description.type;
+    coding.nodata = header.description.nodata;
+    header.lattice = std::move(coding);
+    return {};
+}
+
 Status read_names(const Json& json, Raster& description) {
     Reader reader(json);
     for (const Json& name : reader.array("bands")) {
@@ -189,6 +245,10 @@ Status read_description(const Json& json, RasterHeader& header) {
 
 }  // namespace
 
+std::string_view profile_name(Profile profile) {
+    return profile == Profile::Fast ? "fast" : "dense";
+}
+
 std::string_view goal_name(Goal::Kind kind) {
     return kGoals[static_cast<std::size_t>(kind)];
 }
@@ -203,6 +263,7 @@ std::string write_header(const RasterHeader& header) {
         {"scheme", scheme_json(header.spec)},
         {"goal", Json{{"kind", goal_name(header.goal.kind)}, {"value", number(header.goal.value)}}},
         {"error", Json{{"max", number(header.max_error)}, {"rms", number(header.rms_error)}}}};
+    if (header.lattice) json["lattice"] = lattice_json(*header.lattice);
     if (header.components != 1) json["components"] = header.components;
     if (header.has_mask) json["mask"] = true;
     if (raster.nodata) json["nodata"] = number(*raster.nodata);
@@ -233,6 +294,10 @@ Result<RasterHeader> read_header(const std::string& text) {
                      "holds '" + content + "', this version reads rasters only", "header"};
     RELIEF_CHECK(read_description(json, header));
     RELIEF_CHECK(read_scheme(scheme, header.spec));
+    if (json.contains("lattice")) {
+        RELIEF_CHECK(read_lattice(reader.object("lattice"), header));
+        RELIEF_CHECK(reader.status());
+    }
     Reader goal(goal_json);
     const auto kind = goal.get<std::string>("kind", "rms-error");
     header.goal.value = goal.get("value", 0.0);

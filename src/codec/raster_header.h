@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 
+#include "codec/tile_codec.h"
 #include "relief/codec/raster_codec.h"
 
 namespace relief::codec {
@@ -16,8 +17,10 @@ struct RasterHeader {
     Goal goal;
     double max_error = 0;
     double rms_error = 0;
+    std::optional<LatticeCoding> lattice = {};  ///< of files of the closed loop
 };
 
+[[nodiscard]] std::string_view profile_name(Profile profile);
 [[nodiscard]] std::string_view goal_name(Goal::Kind kind);
 
 /// JSON text. Members with their default values are left out.

@@ -1,14 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "relief/codec/oracle.h"
 #include "relief/core/raster.h"
+#include "relief/core/stream.h"
 #include "relief/multires/edit.h"
 #include "relief/multires/scheme.h"
 
@@ -29,20 +30,30 @@ struct Goal {
     double value = 0;
 };
 
+/// How hard the closed loop works: docs/codec.md.
+enum class Profile : std::uint8_t {
+    Fast,   ///< fixed predictors, static tables: several times as fast
+    Dense,  ///< predictors and probabilities that learn: about 8 % smaller
+};
+
 struct EncodeOptions {
-    multires::SchemeSpec spec = {};
+    std::optional<multires::SchemeSpec> spec = {};  ///< none: the best for the goal
     Goal goal = {};
     Effort effort = Effort::Refit;
+    Profile profile = Profile::Dense;
     Progress progress = {};
 };
 
 /// What was achieved, measured on the decoded file in the raster's sample type.
 struct EncodeReport {
     multires::SchemeSpec spec;
-    std::int64_t samples = 0;       ///< rows x cols
-    std::int64_t coefficients = 0;  ///< of the whole pyramid
-    std::int64_t kept = 0;          ///< coefficients that are not zero, scaling band included
-    std::int64_t corrected = 0;     ///< samples with a correction (max-error and lossless goals)
+    bool closed_loop = false;          ///< quantised inside the prediction: docs/codec.md
+    Profile profile = Profile::Dense;  ///< of the closed loop
+    double lattice = 0;                ///< unit of which samples are multiples; 0: none was found
+    std::int64_t samples = 0;          ///< rows x cols
+    std::int64_t coefficients = 0;     ///< of the whole pyramid
+    std::int64_t kept = 0;             ///< coefficients that are not zero, scaling band included
+    std::int64_t corrected = 0;        ///< samples with a correction (max-error and lossless goals)
     std::uint64_t bytes = 0;
     double bits_per_sample = 0;
     double max_error = 0;
@@ -53,7 +64,7 @@ struct EncodeReport {
 };
 
 struct EncodedRaster {
-    std::vector<std::uint8_t> bytes;
+    Bytes bytes;
     EncodeReport report;
 };
 
@@ -63,6 +74,13 @@ struct EncodedRaster {
 [[nodiscard]] Result<EncodedRaster> encode_raster(const Raster& raster,
                                                   const EncodeOptions& options);
 
+/// The same from a source that is read in windows to a sink, tile by tile where the scheme can:
+/// memory then grows with the width of the raster and a 64th of its samples only. `spool` holds
+/// coded tiles until their place in the file is known.
+[[nodiscard]] Result<EncodeReport> encode_raster(const RasterSource& source,
+                                                 const EncodeOptions& options, ByteSink& sink,
+                                                 Spool& spool);
+
 /// A band as `info` shows it.
 struct BandInfo {
     multires::BandLayout layout;
@@ -71,25 +89,35 @@ struct BandInfo {
 
 /// A chunk as `info` shows it.
 struct ChunkSummary {
-    std::string kind;  ///< "scaling", "details", "mask", "correction", "edits"
+    std::string kind;  ///< "scaling", "details", "lattice", "mask", "correction", "edits"
     int level = 0;
+    std::int64_t count = 1;  ///< chunks of this kind and level: one a tile
     std::uint64_t bytes = 0;
-    double max_error = 0;  ///< of the surface decoded up to this chunk, and of its level's raster,
-                           ///< against the original
-    double rms_error = 0;
+    double max_error = 0;  ///< of the surface decoded up to these chunks; infinite: not known
 };
 
-/// An opened .relief raster, or a prefix of one: which levels it can give is `finest_level`.
+/// A part of a raster, decoded.
+struct DecodedRaster {
+    Raster raster;
+    /// Verified largest error of its samples; none when the file is edited or it is not known.
+    std::optional<double> bound = {};
+    /// Parts of the raster, in its finest samples, that are coarser than they should be because
+    /// chunks are damaged.
+    std::vector<LatticeBox> damaged = {};
+};
+
+/// An opened .relief raster, or a prefix of one. What a prefix lacks is filled in from what it has:
+/// every level can be decoded, and its bound says how far it is off. Several threads may read at
+/// once.
 class RasterFile {
   public:
-    /// A whole file. Everything is checked, nothing trusted. Errors: BadFile saying what is damaged
-    /// or cut off; Unsupported.
-    [[nodiscard]] static Result<RasterFile> open(std::vector<std::uint8_t> bytes);
-    /// The first bytes of a file of `file_size` bytes, which may itself have lost its end: chunks
-    /// that are not complete are left out. Errors: as open, and BadFile when not even the coarsest
-    /// level is complete.
-    [[nodiscard]] static Result<RasterFile> open_prefix(std::vector<std::uint8_t> bytes,
-                                                        std::uint64_t file_size);
+    /// Sees the first `visible` bytes of the source; nothing is trusted. Errors: BadFile saying
+    /// what is damaged, or that not even the coarsest level is there; Unsupported.
+    [[nodiscard]] static Result<RasterFile> open(
+        std::shared_ptr<const ByteSource> source,
+        std::uint64_t visible = std::numeric_limits<std::uint64_t>::max());
+    /// A whole file in memory.
+    [[nodiscard]] static Result<RasterFile> open(Bytes bytes);
 
     RasterFile(RasterFile&&) noexcept;
     RasterFile& operator=(RasterFile&&) noexcept;
@@ -98,7 +126,15 @@ class RasterFile {
     /// Type, georeference, NODATA, unit, names: a raster without planes and mask, of the finest
     /// level's size.
     [[nodiscard]] const Raster& description() const;
+    /// The scheme that the file was made with.
+    [[nodiscard]] const multires::SchemeSpec& spec() const;
+    /// The bands of the control coefficients of all levels. Files of the closed loop have those of
+    /// scheme `cubic`: their control coefficients are samples.
     [[nodiscard]] const multires::PyramidLayout& layout() const;
+    /// Made by the closed loop, in tiles that are decoded on demand.
+    [[nodiscard]] bool closed_loop() const;
+    /// Of a closed-loop file: "fast" or "dense"; else empty.
+    [[nodiscard]] std::string profile() const;
     [[nodiscard]] std::vector<BandInfo> bands() const;
     [[nodiscard]] std::vector<ChunkSummary> chunks() const;
     [[nodiscard]] const std::vector<multires::Move>& moves() const;
@@ -107,17 +143,22 @@ class RasterFile {
     [[nodiscard]] double rms_error() const;
     [[nodiscard]] int version() const;         ///< of the container
     [[nodiscard]] std::uint64_t size() const;  ///< of the whole file, in bytes
-    [[nodiscard]] bool checksums_ok() const;   ///< of all chunks; reads them all
+    /// All bytes of the file are there.
+    [[nodiscard]] bool complete() const;
+    [[nodiscard]] bool checksums_ok() const;  ///< of all chunks; reads them all
     [[nodiscard]] bool edited() const { return !moves().empty(); }
-    /// The finest level of detail in this prefix: 0 when all of them are.
+    /// The finest level that is complete: 0 when all of them are.
     [[nodiscard]] int finest_level() const;
-    /// Verified error of the surface of `level` at all samples of the original raster, and of
-    /// decode(level) at its own; none if edited.
+    /// Verified error of the raster of `level`, at the samples that it has; none if edited or
+    /// unknown.
     [[nodiscard]] std::optional<double> bound(int level) const;
-    /// Bytes of the file that decoding `level` reads.
+    /// Verified error, at all samples of the original raster, of the surface that the file gives
+    /// when nothing finer than `level` is read; none if edited or unknown.
+    [[nodiscard]] std::optional<double> surface_bound(int level) const;
+    /// How many first bytes of the file decoding `level` needs.
     [[nodiscard]] std::uint64_t bytes_for(int level) const;
 
-    /// Scaling coefficients of `level`, moves included; corrections are not part of them.
+    /// Control coefficients of `level`, moves included; corrections are not part of them.
     [[nodiscard]] Result<multires::LevelCoefficients<double>> coefficients(int level) const;
 
     /// Control coefficients of a surface that passes through decode(0) before its rounding to the
@@ -125,12 +166,17 @@ class RasterFile {
     /// file describes).
     [[nodiscard]] Result<multires::Planes<double>> control_net() const;
 
-    /// The raster of `level`: size, transform, mask and values in the sample type. Errors:
-    /// InvalidArgument for a level that the file does not have; BadFile for damage.
+    /// A window of the raster of `level`: size, transform, mask, and values in the sample type.
+    /// Damage is filled in from coarser levels, and named. Errors: InvalidArgument for a level that
+    /// the file does not have or a window that is not inside; BadFile when nothing can be decoded.
+    /// Complexity: O(window and the tiles that it meets) for the closed loop, else O(raster).
+    [[nodiscard]] Result<DecodedRaster> decode_window(int level, const LatticeBox& window) const;
+
+    /// The whole raster of `level`. Errors: as decode_window, and BadFile for any damage.
     [[nodiscard]] Result<Raster> decode(int level) const;
 
-    /// The valid samples: 1 valid, 0 hole; empty when there are no holes.
-    [[nodiscard]] const Grid<std::uint8_t>& mask() const;
+    /// Rows and columns of the raster of `level`.
+    [[nodiscard]] LatticeBox box(int level) const;
 
   private:
     struct State;
@@ -141,9 +187,9 @@ class RasterFile {
 /// The same file with `moves` added to those it has. The data of all levels is untouched: moves are
 /// a layer of their own. They stand before the levels, so that every prefix has them. Errors:
 /// InvalidArgument for a coefficient that does not exist or a displacement that is not a number of
-/// at most 1e300; BadFile.
-[[nodiscard]] Result<std::vector<std::uint8_t>> add_moves(std::span<const std::uint8_t> file,
-                                                          const std::vector<multires::Move>& moves);
+/// at most 1e300; BadFile; those of the sink.
+Status add_moves(const std::shared_ptr<const ByteSource>& source,
+                 const std::vector<multires::Move>& moves, ByteSink& sink);
 
 /// Sum of squares of (surface minus its reconstruction from the coarsest scaling coefficients) over
 /// valid samples: the denominator of energy_percent.

@@ -1,0 +1,135 @@
+#include "codec/integer_domain.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace relief::codec {
+
+namespace {
+
+/// Metres, feet of both kinds, and decimal fractions of them.
+constexpr std::array<double, 14> kUnits = {1,    0.5,  0.3048, 1200.0 / 3937, 1 / 3.28084,
+                                           0.25, 0.2,  0.1,    0.05,          0.03048,
+                                           0.02, 0.01, 0.005,  0.001};
+/// Samples without a lattice: so many units in a step make conversion to integers cost next to
+/// nothing.
+constexpr std::int32_t kFineStep = 63;
+/// Predictions add up neighbours in 32 and 64 bits: samples have 29.
+constexpr double kLargestInteger = (1 << 29) - 1;
+/// Origins and multiples are exact in double up to here.
+constexpr double kExact = 9007199254740992.0;
+
+/// Distance from |x| to the next larger number of the type.
+double spacing(double x, SampleType type) {
+    if (type == SampleType::Float32) {
+        const auto f = static_cast<float>(std::abs(x));
+        return static_cast<double>(std::nextafter(f, std::numeric_limits<float>::infinity())) -
+               static_cast<double>(f);
+    }
+    const double a = std::abs(x);
+    return std::nextafter(a, std::numeric_limits<double>::infinity()) - a;
+}
+
+double largest_magnitude(const SampleStatistics& s) {
+    return std::max(std::abs(s.lowest), std::abs(s.highest));
+}
+
+/// An odd step that keeps the bound on a lattice, in units.
+double lattice_step(double bound, double unit, double rounding) {
+    if (bound < unit) return 1;
+    // All multiples of these units are exact floats: stored values are off by whole units.
+    const bool exact = std::floor(unit * 1024) == unit * 1024;
+    return 2 * std::floor((bound - (exact ? 0 : rounding)) / unit * (1 + 1e-9)) + 1;
+}
+
+}  // namespace
+
+std::int32_t IntegerDomain::integer(double sample) const {
+    const double v = std::nearbyint(sample / unit - origin);
+    return static_cast<std::int32_t>(std::clamp(v, 0.0, static_cast<double>(highest)));
+}
+
+void SampleStatistics::add(double sample) {
+    if (count++ == 0) {
+        lowest = highest = sample;
+        return;
+    }
+    const double before = lowest;
+    lowest = std::min(lowest, sample);
+    highest = std::max(highest, sample);
+    if (step == 1) return;
+    const double difference = std::abs(sample - before);
+    if (difference == 0) return;
+    if (difference > kExact || difference != std::floor(difference)) {
+        step = 1;
+        return;
+    }
+    step = static_cast<double>(
+        std::gcd(static_cast<std::int64_t>(step), static_cast<std::int64_t>(difference)));
+}
+
+void SampleStatistics::add(const SampleStatistics& other) {
+    if (other.count == 0) return;
+    const std::int64_t both = count + other.count;
+    if (count == 0) {
+        *this = other;
+        return;
+    }
+    add(other.lowest);
+    add(other.highest);
+    if (other.step != 0 && step != 1) {
+        const double inside = other.step;
+        step = step == 0 ? inside
+                         : static_cast<double>(std::gcd(static_cast<std::int64_t>(step),
+                                                        static_cast<std::int64_t>(inside)));
+    }
+    count = both;
+}
+
+std::optional<double> lattice_candidate(int k) {
+    if (k < 0 || k >= static_cast<int>(kUnits.size())) return {};
+    return kUnits[static_cast<std::size_t>(k)];
+}
+
+bool off_lattice(double sample, double unit, SampleType type, std::optional<double> nodata,
+                 double bound) {
+    const double value = stored_value(unit * std::nearbyint(sample / unit), type, nodata);
+    if (bound == 0) return value != sample || std::signbit(value) != std::signbit(sample);
+    return !(std::abs(value - sample) <= std::min(1.2e-7 * std::abs(sample), bound));
+}
+
+std::optional<IntegerDomain> make_domain(const SampleStatistics& s, SampleType type, double unit,
+                                         double bound) {
+    const double rounding = is_integer(type) ? 0 : spacing(largest_magnitude(s), type);
+    IntegerDomain domain;
+    domain.rounding = rounding;
+    const double fine_bound = bound - rounding / 2;  // the stored value is rounded once more
+    if (unit > 0) {
+        const double step = lattice_step(bound, unit, rounding);
+        // A step that the lattice makes much shorter than the bound allows is worse than none.
+        if (is_integer(type) || bound < unit || step * unit >= 2 * fine_bound) {
+            domain.unit = unit;
+            domain.lattice = true;
+            domain.step = static_cast<std::int32_t>(std::min(step, kLargestInteger));
+            domain.step |= 1;
+        }
+    }
+    if (!domain.lattice) {
+        if (!(fine_bound > 0) || is_integer(type)) return {};
+        domain.unit = 2 * fine_bound / kFineStep;
+        domain.step = kFineStep;
+    }
+    domain.origin = std::nearbyint(s.lowest / domain.unit);
+    const double highest = std::nearbyint(s.highest / domain.unit) - domain.origin;
+    const bool fits = domain.unit > 0 && std::isfinite(domain.unit) &&
+                      std::abs(domain.origin) < kExact && highest >= 0 &&
+                      highest <= kLargestInteger;
+    if (!fits) return {};
+    domain.highest = static_cast<std::int32_t>(highest);
+    return domain;
+}
+
+}  // namespace relief::codec

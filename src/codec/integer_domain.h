@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "relief/core/raster.h"
+
+/// The integers that the closed loop codes in place of samples. Source: codec-closed-loop, section
+/// 2; docs/codec.md, "Integers".
+namespace relief::codec {
+
+/// A sample is unit x (origin + v), in double and in this order, then as its type stores it.
+struct IntegerDomain {
+    double unit = 1;
+    double origin = 0;         ///< an integer
+    std::int32_t step = 1;     ///< odd: quantiser step in units
+    std::int32_t highest = 0;  ///< valid samples have v = 0 .. highest
+    double rounding = 0;       ///< storing moves a value by at most this (the encoder's knowledge)
+    bool lattice = false;  ///< samples are multiples of the unit (but for some that are repaired)
+
+    [[nodiscard]] double value(std::int32_t v) const { return unit * (origin + v); }
+    /// The nearest v, clamped to 0 .. highest.
+    [[nodiscard]] std::int32_t integer(double sample) const;
+};
+
+/// What must be known of all valid samples of a component.
+struct SampleStatistics {
+    std::int64_t count = 0;
+    double lowest = 0;
+    double highest = 0;
+    double step = 0;  ///< integers: greatest common divisor of the samples' differences from lowest
+
+    void add(double sample);
+    void add(const SampleStatistics& other);
+};
+
+/// A lattice on which samples might lie: its unit, to be tried in this order. None: the end.
+[[nodiscard]] std::optional<double> lattice_candidate(int k);
+
+/// A sample that is not what the lattice of `unit` stores for it: it would need a repair.
+/// `bound`: 0 means that bits must agree.
+[[nodiscard]] bool off_lattice(double sample, double unit, SampleType type,
+                               std::optional<double> nodata, double bound);
+
+/// The domain for samples on a lattice (unit > 0) or on none (unit 0). None when 32-bit integers
+/// can not hold the samples at that resolution, or the bound is finer than the type's rounding
+/// allows. bound >= 0.
+[[nodiscard]] std::optional<IntegerDomain> make_domain(const SampleStatistics& statistics,
+                                                       SampleType type, double unit, double bound);
+
+/// Shares of samples that may lie off a lattice.
+inline constexpr double kLatticeMisfits = 0.01;
+
+}  // namespace relief::codec

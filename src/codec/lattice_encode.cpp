@@ -1,0 +1,345 @@
+#include "codec/lattice_encode.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <string>
+
+#include "codec/tile_start.h"
+#include "relief/core/parallel.h"
+
+namespace relief::codec {
+
+namespace {
+
+/// Coarse levels are worth finer steps below so many bits a sample.
+constexpr double kLooseBits = 0.9;
+constexpr double kTightening = 1.1;
+/// Tiles that are encoded twice to choose.
+constexpr std::int64_t kTrialTiles = 4;
+
+Error cancelled() {
+    return {ErrorCode::Cancelled, "encoding was cancelled", ""};
+}
+
+std::uint64_t size_of(const EncodedTile& tile) {
+    std::uint64_t size = 0;
+    for (const Bytes& chunk : tile.chunks) size += chunk.size();
+    return size;
+}
+
+/// A part of a strip of samples as integers.
+TileSamples cut(const LatticeCoding& coding, const Raster& strip, const LatticeBox& box,
+                std::int64_t stride) {
+    TileSamples samples;
+    if (!strip.mask.empty()) {
+        samples.valid = Grid<std::uint8_t>(box.rows, box.cols);
+        for (std::int64_t r = 0; r < box.rows; ++r)
+            for (std::int64_t c = 0; c < box.cols; ++c)
+                samples.valid(r, c) =
+                    strip.mask((box.row0 + r) * stride, (box.col0 + c) * stride) != 0;
+    }
+    for (std::size_t p = 0; p < coding.domains.size(); ++p) {
+        const IntegerDomain& domain = coding.domains[p];
+        Grid<double> originals(box.rows, box.cols);
+        Grid<std::int32_t> values(box.rows, box.cols);
+        for (std::int64_t r = 0; r < box.rows; ++r) {
+            const double* from = strip.planes[p].row((box.row0 + r) * stride) + box.col0 * stride;
+            double* original = originals.row(r);
+            std::int32_t* value = values.row(r);
+            const std::uint8_t* valid = samples.valid.empty() ? nullptr : samples.valid.row(r);
+            for (std::int64_t c = 0; c < box.cols; ++c) {
+                original[c] = from[c * stride];
+                value[c] = valid && !valid[c] ? 0 : domain.integer(original[c]);
+            }
+        }
+        samples.originals.push_back(std::move(originals));
+        samples.values.push_back(std::move(values));
+    }
+    return samples;
+}
+
+/// The tiers above the finest, encoded: their lattices as decoded, and what their coders learnt.
+struct CoarseTiers {
+    struct Tier {
+        std::vector<Grid<std::int32_t>> values;                        ///< one a component
+        std::vector<std::vector<std::unique_ptr<LevelCodec>>> learnt;  ///< [tile][component]
+        std::vector<std::vector<Bytes>> chunks;                        ///< [tile]
+    };
+    std::vector<Tier> tiers;  ///< [0] is tier 1
+    std::uint64_t size = 0;   ///< of all chunks
+};
+
+class Encoder {
+  public:
+    Encoder(const RasterSource& source, const Survey& seen, LatticeCoding coding,
+            const LatticeOptions& options, Spool& spool)
+        : source_(source),
+          about_(source.description()),
+          survey_(seen),
+          options_(options),
+          spool_(spool),
+          tree_(about_.rows, about_.cols) {
+        result_.coding = std::move(coding);
+    }
+
+    Result<LatticeEncoding> run() {
+        RELIEF_CHECK(choose_tightening());
+        for (int k = 0; k < tree_.tiers(); ++k)
+            spooled_.emplace_back(static_cast<std::size_t>(tree_.tier(k).tiles()));
+        for (int k = tree_.tiers() - 1; k > 0; --k)
+            for (std::int64_t tile = 0; tile < tree_.tier(k).tiles(); ++tile)
+                RELIEF_CHECK(spool_tile(k, tile,
+                                        coarse_.tiers[static_cast<std::size_t>(k - 1)]
+                                            .chunks[static_cast<std::size_t>(tile)]));
+        if (tree_.tiers() > 1 && options_.measure_coarse)
+            for (auto& chunks : spooled_[1]) chunks.back().info.bound = 0;  // grows with the tiles
+        RELIEF_CHECK(encode_finest());
+        order_chunks();
+        return std::move(result_);
+    }
+
+  private:
+    using Tiles = std::vector<std::vector<SpooledChunk>>;  ///< [tile][chunk of the tile]
+
+    [[nodiscard]] TileState start(const LatticeCoding& coding, const CoarseTiers& coarse, int tier,
+                                  std::int64_t tile) const {
+        if (tier == tree_.tiers() - 1) return top_state(coding);
+        const CoarseTiers::Tier& above = coarse.tiers[static_cast<std::size_t>(tier)];
+        const auto fetch = [&](std::size_t component, const LatticeBox& box,
+                               GridView<std::int32_t> out) {
+            for (std::int64_t r = 0; r < box.rows; ++r)
+                std::copy_n(above.values[component].row(box.row0 + r) + box.col0, box.cols,
+                            out.row(r));
+        };
+        return state_below(coding, tree_, tier, tile,
+                           above.learnt[static_cast<std::size_t>(tree_.parent(tier, tile))], fetch);
+    }
+
+    Result<EncodedTile> encode(const LatticeCoding& coding, const CoarseTiers& coarse, int tier,
+                               std::int64_t tile, const TileSamples& samples) const {
+        return encode_tile(coding, tree_, tier, tile, samples, start(coding, coarse, tier, tile),
+                           start(coding, coarse, tier, tile), options_.bound,
+                           tier == 0 && options_.measure_coarse);
+    }
+
+    Result<CoarseTiers> encode_coarse(const LatticeCoding& coding) const {
+        CoarseTiers coarse;
+        coarse.tiers.resize(static_cast<std::size_t>(tree_.tiers() - 1));
+        for (int k = tree_.tiers() - 1; k > 0; --k) {
+            CoarseTiers::Tier& tier = coarse.tiers[static_cast<std::size_t>(k - 1)];
+            const TileTree::Tier& all = tree_.tier(k);
+            for (std::size_t c = 0; c < coding.domains.size(); ++c)
+                tier.values.emplace_back(all.rows, all.cols);
+            tier.learnt.resize(static_cast<std::size_t>(all.tiles()));
+            tier.chunks.resize(static_cast<std::size_t>(all.tiles()));
+            std::vector<Status> failed(static_cast<std::size_t>(all.tiles()));
+            parallel_for(0, all.tiles(), 1, [&](std::int64_t tile, std::int64_t) {
+                failed[static_cast<std::size_t>(tile)] =
+                    encode_coarse_tile(coding, coarse, k, tile);
+            });
+            for (const Status& status : failed) RELIEF_CHECK(status);
+            for (const auto& chunks : tier.chunks)
+                for (const Bytes& chunk : chunks) coarse.size += chunk.size();
+        }
+        return coarse;
+    }
+
+    Status encode_coarse_tile(const LatticeCoding& coding, CoarseTiers& coarse, int k,
+                              std::int64_t number) const {
+        const LatticeBox box = tree_.box(k, number);
+        const std::int64_t stride = std::int64_t{1} << (TileTree::kTierLevels * (k - 1));
+        const TileSamples samples = cut(coding, survey_.coarse, box, stride);
+        RELIEF_TRY(EncodedTile tile, encode(coding, coarse, k, number, samples));
+        CoarseTiers::Tier& tier = coarse.tiers[static_cast<std::size_t>(k - 1)];
+        for (std::size_t c = 0; c < tier.values.size(); ++c)
+            for (std::int64_t r = 0; r < box.rows; ++r)
+                std::copy_n(tile.state.levels[c].values.row(r), box.cols,
+                            tier.values[c].row(box.row0 + r) + box.col0);
+        tier.learnt[static_cast<std::size_t>(number)] = std::move(tile.state.codecs);
+        tier.chunks[static_cast<std::size_t>(number)] = std::move(tile.chunks);
+        return {};
+    }
+
+    /// Samples of one tile, read on their own.
+    Result<TileSamples> read_tile(const LatticeCoding& coding, std::int64_t tile) const {
+        const LatticeBox box = tree_.box(0, tile);
+        RELIEF_TRY(const Raster strip, source_.read(box));
+        return cut(coding, strip, {0, 0, box.rows, box.cols}, 1);
+    }
+
+    /// Encodes a few tiles to see whether finer steps on coarse levels make the file smaller.
+    Status choose_tightening() {
+        LatticeCoding& coding = result_.coding;
+        coding.tightening = 1;
+        RELIEF_TRY(coarse_, encode_coarse(coding));
+        const std::int64_t tiles = tree_.tier(0).tiles();
+        const std::int64_t trials = std::min(kTrialTiles, tiles);
+        const bool lossless_steps =
+            std::all_of(coding.domains.begin(), coding.domains.end(),
+                        [](const IntegerDomain& domain) { return domain.step == 1; });
+        if (lossless_steps) return {};
+        std::vector<TileSamples> samples;
+        std::int64_t count = 0;
+        for (std::int64_t k = 0; k < trials; ++k) {
+            RELIEF_TRY(samples.emplace_back(), read_tile(coding, trial_tile(k, trials, tiles)));
+            const TileSamples& last = samples.back();
+            std::int64_t valid = last.values[0].count();
+            if (!last.valid.empty()) {
+                valid = 0;
+                for (std::int64_t r = 0; r < last.valid.rows(); ++r)
+                    valid +=
+                        std::count(last.valid.row(r), last.valid.row(r) + last.valid.cols(), 1);
+            }
+            count += valid * static_cast<std::int64_t>(coding.domains.size());
+        }
+        RELIEF_TRY(const double plain, trial_size(coding, coarse_, samples, trials, tiles));
+        if (count == 0 || plain * 8 >= kLooseBits * static_cast<double>(count)) return {};
+        LatticeCoding tightened = coding;
+        tightened.tightening = kTightening;
+        RELIEF_TRY(CoarseTiers finer, encode_coarse(tightened));
+        RELIEF_TRY(double size, trial_size(tightened, finer, samples, trials, tiles));
+        // Coarse tiers weigh as much as they do in the whole file.
+        const double share = static_cast<double>(trials) / static_cast<double>(tiles);
+        size += share * static_cast<double>(finer.size);
+        if (size > 1.002 * (plain + share * static_cast<double>(coarse_.size))) return {};
+        coding.tightening = kTightening;
+        coarse_ = std::move(finer);
+        return {};
+    }
+
+    static std::int64_t trial_tile(std::int64_t k, std::int64_t trials, std::int64_t tiles) {
+        return (2 * k + 1) * tiles / (2 * trials);
+    }
+
+    Result<double> trial_size(const LatticeCoding& coding, const CoarseTiers& coarse,
+                              const std::vector<TileSamples>& samples, std::int64_t trials,
+                              std::int64_t tiles) const {
+        std::vector<Status> failed(samples.size());
+        std::vector<std::uint64_t> sizes(samples.size());
+        parallel_for(0, trials, 1, [&](std::int64_t k, std::int64_t) {
+            const auto at = static_cast<std::size_t>(k);
+            auto tile = encode(coding, coarse, 0, trial_tile(k, trials, tiles), samples[at]);
+            if (tile.ok())
+                sizes[at] = size_of(*tile);
+            else
+                failed[at] = tile.error();
+        });
+        double size = 0;
+        for (std::size_t k = 0; k < samples.size(); ++k) {
+            RELIEF_CHECK(failed[k]);
+            size += static_cast<double>(sizes[k]);
+        }
+        return size;
+    }
+
+    /// Rows of tiles, as many at a time as give every thread work.
+    Status encode_finest() {
+        const TileTree::Tier& tier = tree_.tier(0);
+        const std::int64_t together =
+            std::max<std::int64_t>(1, (2 * thread_count() + tier.tile_cols - 1) / tier.tile_cols);
+        for (std::int64_t row = 0; row < tier.tile_rows; row += together) {
+            const std::int64_t rows = std::min(together, tier.tile_rows - row);
+            RELIEF_CHECK(encode_rows(row, rows));
+            if (options_.progress &&
+                !options_.progress(0.2 + 0.8 * static_cast<double>(row + rows) /
+                                             static_cast<double>(tier.tile_rows)))
+                return cancelled();
+        }
+        return {};
+    }
+
+    Status encode_rows(std::int64_t tile_row, std::int64_t tile_rows) {
+        const std::int64_t across = tree_.tier(0).tile_cols;
+        const std::int64_t first = tile_row * across;
+        const std::int64_t count = tile_rows * across;
+        const LatticeBox top = tree_.box(0, first);
+        const LatticeBox bottom = tree_.box(0, first + count - 1);
+        const LatticeBox strip_box{top.row0, 0, bottom.row0 + bottom.rows - top.row0, about_.cols};
+        RELIEF_TRY(const Raster strip, source_.read(strip_box));
+        std::vector<Status> failed(static_cast<std::size_t>(count));
+        std::vector<EncodedTile> tiles(static_cast<std::size_t>(count));
+        parallel_for(0, count, 1, [&](std::int64_t k, std::int64_t) {
+            LatticeBox box = tree_.box(0, first + k);
+            box.row0 -= strip_box.row0;
+            auto tile =
+                encode(result_.coding, coarse_, 0, first + k, cut(result_.coding, strip, box, 1));
+            if (tile.ok())
+                tiles[static_cast<std::size_t>(k)] = *std::move(tile);
+            else
+                failed[static_cast<std::size_t>(k)] = tile.error();
+        });
+        for (std::int64_t k = 0; k < count; ++k) {
+            RELIEF_CHECK(failed[static_cast<std::size_t>(k)]);
+            RELIEF_CHECK(take(first + k, tiles[static_cast<std::size_t>(k)]));
+        }
+        return {};
+    }
+
+    /// Spools a finest tile and adds up what is said of it.
+    Status take(std::int64_t number, const EncodedTile& tile) {
+        RELIEF_CHECK(spool_tile(0, number, tile.chunks));
+        std::vector<SpooledChunk>& chunks = spooled_[0][static_cast<std::size_t>(number)];
+        const std::size_t n = chunks.size();
+        chunks[n - 1].info.bound = tile.error.max;
+        for (std::size_t k = 0; k + 1 < n && k < tile.coarse_errors.size(); ++k)
+            chunks[n - 2 - k].info.bound = tile.coarse_errors[k];
+        if (tree_.tiers() > 1 && !tile.coarse_errors.empty()) {
+            // Without any chunk of this tile: what the tier above promises here.
+            const auto parent = static_cast<std::size_t>(tree_.parent(0, number));
+            double& promised = spooled_[1][parent].back().info.bound;
+            promised = std::max(promised, tile.coarse_errors.back());
+        }
+        result_.max_error = std::max(result_.max_error, tile.error.max);
+        result_.square_error += tile.error.square;
+        result_.nonzero += tile.nonzero;
+        result_.repairs += tile.repairs;
+        return {};
+    }
+
+    Status spool_tile(int tier, std::int64_t tile, const std::vector<Bytes>& chunks) {
+        auto& spooled = spooled_[static_cast<std::size_t>(tier)][static_cast<std::size_t>(tile)];
+        for (const Bytes& chunk : chunks) {
+            SpooledChunk entry;
+            RELIEF_TRY(entry.place, spool_.append(chunk));
+            entry.info.length = chunk.size();
+            entry.info.checksum = chunk_checksum(chunk);
+            spooled.push_back(entry);
+        }
+        return {};
+    }
+
+    /// Coarse tiers first; within a tier level by level, tiles along a Hilbert curve.
+    void order_chunks() {
+        for (int k = tree_.tiers() - 1; k >= 0; --k) {
+            const std::vector<std::int64_t> order = tree_.hilbert_order(k);
+            const std::size_t ranges = chunk_ranges(tree_, k).size();
+            for (std::size_t r = 0; r < ranges; ++r)
+                for (const std::int64_t tile : order)
+                    result_.chunks.push_back(
+                        spooled_[static_cast<std::size_t>(k)][static_cast<std::size_t>(tile)][r]);
+        }
+        result_.samples = survey_.valid;
+        result_.has_holes = survey_.valid != about_.rows * about_.cols;
+    }
+
+    const RasterSource& source_;
+    const Raster& about_;
+    const Survey& survey_;
+    const LatticeOptions& options_;
+    Spool& spool_;
+    TileTree tree_;
+    CoarseTiers coarse_;
+    std::vector<Tiles> spooled_;  ///< [tier]
+    LatticeEncoding result_;
+};
+
+}  // namespace
+
+Result<LatticeEncoding> encode_lattice(const RasterSource& source, const Survey& survey,
+                                       LatticeCoding coding, const LatticeOptions& options,
+                                       Spool& spool) {
+    return Encoder(source, survey, std::move(coding), options, spool).run();
+}
+
+}  // namespace relief::codec

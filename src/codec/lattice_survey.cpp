@@ -1,0 +1,164 @@
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <string>
+
+#include "codec/lattice_encode.h"
+#include "relief/core/parallel.h"
+
+namespace relief::codec {
+
+namespace {
+
+constexpr std::int64_t kStrip = TileTree::kTile;
+constexpr std::int64_t kCoarse = std::int64_t{1} << TileTree::kTierLevels;
+
+bool is_valid(const Raster& strip, std::int64_t r, std::int64_t c) {
+    return strip.mask.empty() || strip.mask(r, c) != 0;
+}
+
+/// Statistics of the rows of a strip, and the first sample that is not a finite number.
+struct RowSurvey {
+    std::vector<SampleStatistics> components;
+    std::int64_t bad_column = -1;
+};
+
+RowSurvey survey_row(const Raster& strip, std::int64_t r) {
+    RowSurvey row;
+    for (const Grid<double>& plane : strip.planes) {
+        SampleStatistics& statistics = row.components.emplace_back();
+        for (std::int64_t c = 0; c < strip.cols; ++c) {
+            if (!is_valid(strip, r, c)) continue;
+            if (!std::isfinite(plane(r, c))) row.bad_column = c;
+            statistics.add(plane(r, c));
+        }
+    }
+    return row;
+}
+
+void keep_coarse(const Raster& strip, std::int64_t row0, Raster& coarse) {
+    for (std::int64_t r = 0; r < strip.rows; r += kCoarse) {
+        const std::int64_t to = (row0 + r) / kCoarse;
+        for (std::size_t p = 0; p < strip.planes.size(); ++p)
+            for (std::int64_t c = 0; c < coarse.cols; ++c)
+                coarse.planes[p](to, c) = strip.planes[p](r, c * kCoarse);
+        for (std::int64_t c = 0; c < coarse.cols; ++c)
+            coarse.mask(to, c) = is_valid(strip, r, c * kCoarse);
+    }
+}
+
+Status cancelled() {
+    return Error{ErrorCode::Cancelled, "encoding was cancelled", ""};
+}
+
+/// How many valid samples are off the lattice, of how many, one component.
+struct Misfits {
+    std::int64_t off = 0;
+    std::int64_t all = 0;
+    [[nodiscard]] bool accepted() const {
+        return static_cast<double>(off) <= kLatticeMisfits * static_cast<double>(all);
+    }
+};
+
+Misfits misfits(const Raster& strip, std::size_t component, double unit, const Raster& about,
+                double bound) {
+    std::atomic<std::int64_t> off = 0;
+    std::atomic<std::int64_t> all = 0;
+    parallel_for(0, strip.rows, 16, [&](std::int64_t first, std::int64_t last) {
+        Misfits some;
+        for (std::int64_t r = first; r < last; ++r)
+            for (std::int64_t c = 0; c < strip.cols; ++c) {
+                if (!is_valid(strip, r, c)) continue;
+                ++some.all;
+                some.off += off_lattice(strip.planes[component](r, c), unit, about.type,
+                                        about.nodata, bound);
+            }
+        off += some.off;
+        all += some.all;
+    });
+    return {off, all};
+}
+
+/// The lattice unit of a component; 0: none.
+Result<double> find_unit(const RasterSource& source, const Survey& seen, std::size_t component,
+                         double bound) {
+    const Raster& about = source.description();
+    const SampleStatistics& statistics = seen.components[component];
+    const double largest = std::max(std::abs(statistics.lowest), std::abs(statistics.highest));
+    if (is_integer(about.type)) {
+        const double unit = std::max(statistics.step, 1.0);
+        const bool useful = std::fmod(statistics.lowest, unit) == 0;
+        // A coarse unit that does not divide the step would shorten it.
+        const double step = 2 * std::floor(bound / unit) + 1;
+        return useful && step * unit >= 2 * std::floor(bound) + 1 ? unit : 1.0;
+    }
+    for (int k = 0; const auto unit = lattice_candidate(k); ++k) {
+        if (!(*unit > 4.8e-7 * largest)) continue;
+        if (!misfits(seen.coarse, component, *unit, about, bound).accepted()) continue;
+        Misfits all;
+        for (std::int64_t row = 0; row < about.rows; row += kStrip) {
+            const LatticeBox box{row, 0, std::min(kStrip, about.rows - row), about.cols};
+            RELIEF_TRY(const Raster strip, source.read(box));
+            const Misfits some = misfits(strip, component, *unit, about, bound);
+            all.off += some.off;
+            all.all += some.all;
+        }
+        if (all.accepted()) return *unit;
+    }
+    return 0.0;
+}
+
+}  // namespace
+
+Result<Survey> survey(const RasterSource& source, const Progress& progress) {
+    const Raster& about = source.description();
+    Survey seen;
+    seen.components.resize(static_cast<std::size_t>(source.components()));
+    seen.coarse.rows = level_size(about.rows, TileTree::kTierLevels);
+    seen.coarse.cols = level_size(about.cols, TileTree::kTierLevels);
+    seen.coarse.mask = Grid<std::uint8_t>(seen.coarse.rows, seen.coarse.cols);
+    for (int p = 0; p < source.components(); ++p)
+        seen.coarse.planes.emplace_back(seen.coarse.rows, seen.coarse.cols);
+    for (std::int64_t row = 0; row < about.rows; row += kStrip) {
+        const LatticeBox box{row, 0, std::min(kStrip, about.rows - row), about.cols};
+        RELIEF_TRY(const Raster strip, source.read(box));
+        std::vector<RowSurvey> rows(static_cast<std::size_t>(box.rows));
+        parallel_for(0, box.rows, 16, [&](std::int64_t first, std::int64_t last) {
+            for (std::int64_t r = first; r < last; ++r)
+                rows[static_cast<std::size_t>(r)] = survey_row(strip, r);
+        });
+        for (std::size_t r = 0; r < rows.size(); ++r) {
+            if (rows[r].bad_column >= 0)
+                return Error{ErrorCode::BadInput,
+                             "a valid sample is not a finite number; mark it as NODATA",
+                             "row " + std::to_string(row + static_cast<std::int64_t>(r)) +
+                                 ", column " + std::to_string(rows[r].bad_column)};
+            for (std::size_t p = 0; p < seen.components.size(); ++p)
+                seen.components[p].add(rows[r].components[p]);
+        }
+        keep_coarse(strip, row, seen.coarse);
+        if (progress && !progress(0.1 * static_cast<double>(row) / static_cast<double>(about.rows)))
+            return cancelled().error();
+    }
+    seen.valid = seen.components[0].count;
+    if (seen.valid == 0)
+        return Error{ErrorCode::BadInput, "no sample is valid: every one is NODATA or not a number",
+                     ""};
+    return seen;
+}
+
+Result<bool> choose_domains(const RasterSource& source, const Survey& seen, double bound,
+                            LatticeCoding& coding) {
+    coding.type = source.description().type;
+    coding.nodata = source.description().nodata;
+    coding.domains.clear();
+    for (std::size_t p = 0; p < seen.components.size(); ++p) {
+        RELIEF_TRY(const double unit, find_unit(source, seen, p, bound));
+        const auto domain = make_domain(seen.components[p], coding.type, unit, bound);
+        if (!domain) return false;
+        coding.domains.push_back(*domain);
+    }
+    return true;
+}
+
+}  // namespace relief::codec
