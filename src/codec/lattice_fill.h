@@ -1,0 +1,12 @@
+#pragma once
+
+#include "codec/lattice_level.h"
+
+namespace relief::codec {
+
+/// D and E samples, and the margins, as the fast codec decodes them when every q is 0: the level
+/// as far as the coarser one tells it. Quotients, mask and step do not matter. Complexity:
+/// O(samples).
+void fill_level(LatticeLevel& level);
+
+}  // namespace relief::codec
