@@ -13,6 +13,7 @@ namespace relief::multires {
 enum class SchemeId : std::uint8_t {
     Barycentric,  ///< box spline M_ddd, 7 wavelet kinds a level (a frame); docs/barycentric.md
     Box,          ///< the same splines, 3 wavelets a level by lifting (a basis); docs/box.md
+    Cubic,        ///< bicubic C2 splines on the square lattice, by lifting (a basis); docs/cubic.md
 };
 
 /// The pair of dual sequences of scheme `barycentric`.
@@ -35,18 +36,20 @@ enum class DataMap : std::uint8_t {
 /// Everything that fixes a scheme but the data.
 struct SchemeSpec {
     SchemeId id = SchemeId::Box;
-    int order = 2;  ///< d: 1 linear C0, 2 quartic C2, 3 degree 7 C4, 4 degree 10 C6
+    int order = 2;  ///< d: 1 linear C0, 2 quartic C2 (cubic: bicubic C2), 3 degree 7 C4, 4 degree
+                    ///< 10 C6
     Family family = Family::Compact;  ///< barycentric only
     int dual_order = 0;               ///< barycentric compact only; 0: the same as order
     int levels = -1;                  ///< -1: as many as are useful for the size
     DataMap data_map = DataMap::Interpolate;
+    bool exact = false;  ///< cubic only: the whole spline by recursion, not its taps cut at six
 
     friend bool operator==(const SchemeSpec&, const SchemeSpec&) = default;
 };
 
 /// One band's place in the pyramid.
 struct BandLayout {
-    std::string name;  ///< "aaa" (scaling), "aab" ..; "scaling", "edge1" ..
+    std::string name;  ///< "aaa" (scaling), "aab" ..; "scaling", "edge1" .. or "odd-x" ..
     int level = 0;     ///< 1: finest details .. levels: coarsest details and the scaling band
     int channel = 0;   ///< 0: scaling; details count from 1
     LatticeBox box;    ///< in units of 2^level samples; (i, j) sits at fine (2^level i, 2^level j)
