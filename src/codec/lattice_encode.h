@@ -32,6 +32,8 @@ struct LatticeEncoding {
     bool has_holes = false;
     double max_error = 0;
     double square_error = 0;
+    /// Sum of squares of the samples less the bilinear surface through the coarsest lattice.
+    double coarse_energy = 0;
 };
 
 /// What the closed loop needs to know of a raster before it can start.

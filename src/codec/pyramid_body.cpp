@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <limits>
+#include <cmath>
 
 #include "codec/bytes.h"
 #include "codec/corrections.h"

@@ -1,16 +1,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <string>
 
-#include "codec/corrections.h"
-#include "codec/level_chunks.h"
+#include "codec/lattice_encode.h"
+#include "codec/pyramid_encode.h"
 #include "codec/raster_header.h"
-#include "relief/codec/container.h"
-#include "relief/codec/fill.h"
-#include "relief/codec/mask_coder.h"
-#include "relief/codec/quantise.h"
 #include "relief/codec/raster_codec.h"
 #include "relief/core/parallel.h"
 
@@ -18,536 +13,151 @@ namespace relief::codec {
 
 namespace {
 
-using multires::Planes;
+using Kind = Goal::Kind;
+using multires::SchemeId;
+using multires::SchemeSpec;
 
-/// Rounding of magnitudes where only coefficients worth their bits shall survive, and for chosen
-/// coefficients.
-constexpr double kDeadZoneRounding = 0.45;
-/// A coefficient is worth refitting when its weighted magnitude is at least this part of the
-/// quantiser's unit.
-constexpr double kRefitThreshold = 0.55;
-/// Quantiser steps are floats and values have 31 bits: samples up to here leave room for what
-/// filters add.
-constexpr double kLargestSample = 1e45;
-/// Bounds below so many of a float type's steps may cost more than exactness.
-constexpr double kNearlyExact = 64;
+constexpr std::size_t kCopyBlock = std::size_t{1} << 20;
 
-struct Error2 {
-    double max = 0;
-    double square = 0;
-    [[nodiscard]] double rms(std::int64_t samples) const {
-        return std::sqrt(square / static_cast<double>(samples));
-    }
-};
-
-/// Errors of a surface at the valid samples, after rounding to the sample type. Same result for any
-/// thread count.
-Error2 surface_error(const Raster& raster, const Planes<double>& surface) {
-    std::vector<Error2> rows(static_cast<std::size_t>(raster.rows));
-    parallel_for(0, raster.rows, 32, [&](std::int64_t first, std::int64_t last) {
-        std::vector<double> stored(static_cast<std::size_t>(raster.cols));
-        for (std::int64_t r = first; r < last; ++r) {
-            Error2 row;
-            const std::uint8_t* valid = raster.mask.empty() ? nullptr : raster.mask.row(r);
-            for (std::size_t p = 0; p < surface.size(); ++p) {
-                stored_row(surface[p].row(r), raster.cols, raster.type, raster.nodata,
-                           stored.data());
-                const double* wanted = raster.planes[p].row(r);
-                for (std::int64_t c = 0; c < raster.cols; ++c) {
-                    if (valid && !valid[c]) continue;
-                    const double error = std::abs(stored[static_cast<std::size_t>(c)] - wanted[c]);
-                    row.max = std::max(row.max, error);
-                    row.square += error * error;
-                }
-            }
-            rows[static_cast<std::size_t>(r)] = row;
-        }
-    });
-    Error2 all;
-    for (const Error2& row : rows) {
-        all.max = std::max(all.max, row.max);
-        all.square += row.square;
-    }
-    return all;
+Status check(const RasterSource& source, const Goal& goal) {
+    const auto refuse = [](std::string what) {
+        return Error{ErrorCode::InvalidArgument, std::move(what), ""};
+    };
+    if (goal.kind != Kind::Lossless && !(goal.value >= 0 && std::isfinite(goal.value)))
+        return refuse("the goal " + std::string(goal_name(goal.kind)) +
+                      " must be a number that is not negative");
+    if (goal.kind == Kind::Bytes && goal.value < 1) return refuse("a file has at least one byte");
+    const Raster& about = source.description();
+    if (about.rows < 1 || about.cols < 1 || source.components() < 1)
+        return Error{ErrorCode::BadInput, "the raster is empty; it needs at least one sample", ""};
+    if (about.rows > INT32_MAX || about.cols > INT32_MAX || source.components() > 4)
+        return Error{ErrorCode::BadInput,
+                     "the raster has more than 2^31 - 1 samples a side or more than 4 components; "
+                     "encode it in parts",
+                     ""};
+    return {};
 }
 
-/// Largest error of the raster of a level, which has every 2^level-th sample.
-double largest_error_of_level(const Raster& raster, const Planes<double>& planes, int level) {
-    const std::int64_t step = std::int64_t{1} << level;
-    double largest = 0;
-    for (std::size_t p = 0; p < planes.size(); ++p)
-        for (std::int64_t r = 0; r < planes[p].rows(); ++r)
-            for (std::int64_t c = 0; c < planes[p].cols(); ++c) {
-                if (!raster.valid(r * step, c * step)) continue;
-                const double stored = stored_value(planes[p](r, c), raster.type, raster.nodata);
-                largest =
-                    std::max(largest, std::abs(stored - raster.planes[p](r * step, c * step)));
-            }
-    return largest;
+/// Bounds are kept best by quantising inside the prediction, squared errors by smooth bases.
+SchemeSpec best_scheme(const Goal& goal) {
+    const bool bounded = goal.kind == Kind::MaxError || goal.kind == Kind::Lossless;
+    return {.id = bounded ? SchemeId::Fvs : SchemeId::Cubic};
 }
 
-using Bytes = std::vector<std::uint8_t>;
-
-/// One way to code the raster: quantised coefficients, the surface they give, how far it is off,
-/// and the coded chunks.
-struct Candidate {
-    Quantised quantised;
-    Planes<double> surface;
-    Error2 error;
-    std::optional<Corrections> corrections;
-    std::vector<Bytes> levels;  ///< empty: not yet coded
-    Bytes correction;
-};
-
-class Encoder {
+/// The closed loop to a sink.
+class LatticeWriter {
   public:
-    Encoder(const Raster& raster, const EncodeOptions& options)
-        : raster_(raster), options_(options) {}
+    LatticeWriter(const RasterSource& source, const EncodeOptions& options, ByteSink& sink,
+                  Spool& spool)
+        : source_(source), options_(options), sink_(sink), spool_(spool) {}
 
-    Result<EncodedRaster> run() {
-        RELIEF_CHECK(check());
-        RELIEF_CHECK(analyse());
-        RELIEF_TRY(Candidate best, choose());
-        if (cancelled(0.8)) return cancelled_error();
-        return finish(std::move(best));
+    /// False: the samples do not fit its integers; nothing was written.
+    Result<bool> run() {
+        const double bound = options_.goal.kind == Kind::Lossless ? 0 : options_.goal.value;
+        RELIEF_TRY(const Survey seen, survey(source_, options_.progress));
+        LatticeCoding coding;
+        coding.profile = options_.profile;
+        RELIEF_TRY(const bool fits, choose_domains(source_, seen, bound, coding));
+        if (!fits) return false;
+        RELIEF_TRY(const LatticeEncoding encoding,
+                   encode_lattice(source_, seen, std::move(coding),
+                                  {options_.profile, bound, true, options_.progress}, spool_));
+        RELIEF_CHECK(write(encoding));
+        report_.bound = options_.goal.kind == Kind::MaxError ? bound : encoding.max_error;
+        return true;
     }
+
+    [[nodiscard]] const EncodeReport& report() const { return report_; }
 
   private:
-    using Kind = Goal::Kind;
-
-    Status check() {
-        const Goal& goal = options_.goal;
-        const auto refuse = [](std::string what) {
-            return Error{ErrorCode::InvalidArgument, std::move(what), ""};
-        };
-        if (goal.kind != Kind::Lossless && !(goal.value >= 0 && std::isfinite(goal.value)))
-            return refuse("the goal " + std::string(goal_name(goal.kind)) +
-                          " must be a number that is not negative");
-        if (goal.kind == Kind::Bytes && goal.value < 1)
-            return refuse("a file has at least one byte");
-        if (raster_.rows < 1 || raster_.cols < 1 || raster_.planes.empty())
-            return Error{ErrorCode::BadInput, "the raster is empty; it needs at least one sample",
-                         ""};
-        samples_ = raster_.valid_count();
-        if (samples_ == 0)
-            return Error{ErrorCode::BadInput,
-                         "no sample is valid: every one is NODATA or not a number", ""};
-        for (const Grid<double>& plane : raster_.planes)
-            for (std::int64_t r = 0; r < raster_.rows; ++r)
-                for (std::int64_t c = 0; c < raster_.cols; ++c)
-                    if (raster_.valid(r, c) && !(std::abs(plane(r, c)) <= kLargestSample))
-                        return Error{
-                            ErrorCode::BadInput,
-                            "a valid sample is not a number or beyond 1e45; mark it as NODATA",
-                            "row " + std::to_string(r) + ", column " + std::to_string(c)};
-        return {};
-    }
-
-    Status analyse() {
-        for (const Grid<double>& plane : raster_.planes)
-            filled_.push_back(filled(plane.view(), raster_.mask));
-        for (const Grid<double>& plane : filled_) target_.planes.push_back(plane.view());
-        if (!raster_.mask.empty()) target_.mask = raster_.mask.view();
-        RELIEF_TRY(pyramid_, multires::analyse<double>(target_.planes, options_.spec));
-        scratch_ = Pyramid<double>::allocate(pyramid_.layout);
-        return {};
-    }
-
-    Result<Candidate> choose() {
-        const Goal& goal = options_.goal;
-        switch (goal.kind) {
-            case Kind::Keep:
-                return keep();
-            case Kind::Bytes:
-                return search_bytes();
-            case Kind::RmsError:
-                return search_rms();
-            case Kind::MaxError:
-                return search_bounded(goal.value);
-            case Kind::Lossless:
-                break;
-        }
-        return search_bounded(0);
-    }
-
-    // --- candidates
-    // -----------------------------------------------------------------------------------------------
-
-    Planes<double> surface_of(const Quantised& quantised, int finest_level = 0) {
-        dequantise(quantised, scratch_, finest_level);
-        return multires::synthesise(scratch_);
-    }
-
-    Candidate evaluated(Quantised quantised) {
-        Candidate candidate;
-        candidate.surface = surface_of(quantised);
-        candidate.error = surface_error(raster_, candidate.surface);
-        candidate.quantised = std::move(quantised);
-        return candidate;
-    }
-
-    Pyramid<double> copy_of_pyramid() const {
-        Pyramid<double> copy;
-        copy.layout = pyramid_.layout;
-        for (const Planes<double>& band : pyramid_.bands) {
-            Planes<double> planes;
-            for (const Grid<double>& plane : band) planes.push_back(plane.clone());
-            copy.bands.push_back(std::move(planes));
-        }
-        return copy;
-    }
-
-    /// Quantised coefficients for a unit. Least squares over those that will not be zero takes 10
-    /// to 20 % off the file at the same error: atoms of one level overlap and can take over what
-    /// their neighbours lose.
-    Candidate at_unit(double unit) {
-        if (options_.effort == Effort::Select)
-            return evaluated(quantise(pyramid_, unit, kDeadZoneRounding));
-        Pyramid<double> chosen = copy_of_pyramid();
-        if (options_.effort == Effort::Reselect) {
-            const Selection first = select_above(chosen, kRefitThreshold * unit);
-            codec::choose(chosen, first.kept, target_, Effort::Reselect);
-        } else {
-            const Selection selection = select_above(chosen, kRefitThreshold * unit);
-            apply(selection, chosen);
-            refit(chosen, selection, target_, 8);
-        }
-        return evaluated(quantise(chosen, unit, 0.5));
-    }
-
-    /// Codes all chunks, the largest ones first.
-    void code(Candidate& candidate) const {
-        const int levels = pyramid_.layout.levels();
-        candidate.levels.resize(static_cast<std::size_t>(levels) + 1);
-        parallel_for(-1, levels + 1, 1, [&](std::int64_t first, std::int64_t) {
-            if (first >= 0) {
-                const int number = levels - static_cast<int>(first);
-                candidate.levels[static_cast<std::size_t>(number)] =
-                    write_level(pyramid_.layout, candidate.quantised, number);
-            } else if (candidate.corrections) {
-                candidate.correction = write_corrections(*candidate.corrections);
-            }
-        });
-    }
-
-    std::uint64_t size_of(Candidate& candidate) const {
-        code(candidate);
-        const auto file = assemble(candidate, {}, candidate.error);
-        return file.ok() ? file->size() : std::numeric_limits<std::uint64_t>::max();
-    }
-
-    // --- goals
-    // ----------------------------------------------------------------------------------------------------
-
-    Result<Candidate> keep() {
-        const double share = options_.goal.value / 100;
-        const double wanted =
-            std::min(share * static_cast<double>(raster_.rows * raster_.cols), 9e18);
-        Pyramid<double> chosen = copy_of_pyramid();
-        const Selection selection = codec::choose(
-            chosen, static_cast<std::int64_t>(std::llround(wanted)), target_, options_.effort);
-        Candidate candidate = evaluated(quantise_finely(chosen));
-        candidate.quantised.kept = selection.kept;
-        return candidate;
-    }
-
-    /// Finds the unit where `measure_of(candidate)` meets 1 from below. growing: the measure grows
-    /// with the unit. Keeps the candidate that is closest below 1.
-    template <class MeasureOf>
-    Result<Candidate> search(double unit, bool growing, double close_enough, MeasureOf measure_of) {
-        std::optional<Candidate> best;
-        double best_measure = 0;
-        double below = 0;  // log units and log measures of the bracket
-        double below_measure = 0;
-        double above = 0;
-        double above_measure = 0;
-        bool has_below = false;
-        bool has_above = false;
-        constexpr int most_steps = 24;
-        for (int step = 0; step < most_steps; ++step) {
-            if (cancelled(0.1 + 0.7 * step / most_steps)) return cancelled_error();
-            Candidate candidate = at_unit(unit);
-            const double measure = measure_of(candidate);
-            const double logarithm = std::log(std::max(measure, 1e-12));
-            if (measure <= 1) {
-                if (!best || measure > best_measure) {
-                    best = std::move(candidate);
-                    best_measure = measure;
-                }
-                if (measure >= close_enough) break;
-                has_below = true;
-                below = std::log(unit);
-                below_measure = logarithm;
-            } else {
-                has_above = true;
-                above = std::log(unit);
-                above_measure = logarithm;
-            }
-            if (has_below && has_above) {
-                if (std::abs(above - below) < 1e-4) break;
-                const double part = -below_measure / std::max(above_measure - below_measure, 1e-9);
-                unit = std::exp(below + (above - below) * std::clamp(part - 0.01, 0.05, 0.95));
-            } else {
-                const double factor = std::clamp(std::exp(1.1 * std::abs(logarithm)), 1.02, 16.0);
-                unit = (measure > 1) == growing ? unit / factor : unit * factor;
-            }
-            if (!(unit > 1e-290 && unit < 1e290)) break;
-        }
-        if (!best) return Error{ErrorCode::BadInput, "no step meets the goal", ""};
-        return *std::move(best);
-    }
-
-    Result<Candidate> search_rms() {
-        const double goal = options_.goal.value;
-        if (goal > 0) {
-            auto found = search(3 * goal, true, 0.995, [&](const Candidate& candidate) {
-                return candidate.error.rms(samples_) / goal;
-            });
-            if (found.ok() || found.error().code == ErrorCode::Cancelled) return found;
-        }
-        return search_bounded(0);  // nearer than quantising comes
-    }
-
-    Result<Candidate> search_bytes() {
-        const double goal = options_.goal.value;
-        Candidate nothing = evaluated(quantise(pyramid_, unit_above_all(), kDeadZoneRounding));
-        const std::uint64_t least = size_of(nothing);
-        if (static_cast<double>(least) > goal)
-            return Error{ErrorCode::InvalidArgument,
-                         "no file is that small; this raster's header and structure alone take " +
-                             std::to_string(least) + " bytes",
-                         ""};
-        // A start from the spread of the data: about one bit a sample at a third of its deviation.
-        const double bits = 8 * goal / static_cast<double>(samples_);
-        const double spread = surface_error(raster_, nothing.surface).rms(samples_);
-        if (!(spread > 0)) return nothing;
-        auto found = search(
-            std::max(spread * std::exp2(-1.2 * bits), 1e-6 * spread), false, 0.997,
-            [&](Candidate& candidate) { return static_cast<double>(size_of(candidate)) / goal; });
-        if (!found.ok() && found.error().code != ErrorCode::Cancelled) return nothing;
-        return found;
-    }
-
-    /// A unit at which every coefficient is quantised to zero.
-    [[nodiscard]] double unit_above_all() const {
-        double unit = 1e-290;
-        for (std::size_t k = 0; k < pyramid_.bands.size(); ++k)
-            for (const Grid<double>& plane : pyramid_.bands[k])
-                for (std::int64_t r = 0; r < plane.rows(); ++r)
-                    for (std::int64_t c = 0; c < plane.cols(); ++c)
-                        unit = std::max(unit,
-                                        4 * std::abs(plane(r, c)) *
-                                            band_norm(pyramid_.layout.bands[k], Metric::Samples));
-        return unit;
-    }
-
-    /// A candidate with its corrections and the size of its file.
-    struct Corrected {
-        Candidate candidate;
-        std::uint64_t size = std::numeric_limits<std::uint64_t>::max();
-    };
-
-    /// The smaller of a file within the bound and, where that might be smaller, an exact one.
-    Result<Candidate> search_bounded(double bound) {
-        RELIEF_TRY(Corrected best, search_corrected(bound));
-        if (bound > 0 && !is_integer(raster_.type) && bound < kNearlyExact * smallest_step()) {
-            RELIEF_TRY(Corrected exact, search_corrected(0));
-            if (exact.size < best.size) best = std::move(exact);
-        }
-        return std::move(best.candidate);
-    }
-
-    /// The unit whose file with corrections is smallest, by a golden-section-like walk over factors
-    /// of the bound.
-    Result<Corrected> search_corrected(double bound) {
-        const bool exact = bound == 0;
-        const double quantum = smallest_step();
-        const double scale = std::max(exact ? quantum : bound, quantum);
-        Corrected best;
-        double factor = exact ? 2.0 : 3.0;
-        const auto attempt = [&](double f) {
-            Candidate candidate = at_unit(f * scale);
-            candidate.corrections = make_corrections(raster_, candidate.surface, bound);
-            const std::uint64_t size = size_of(candidate);
-            if (size >= best.size) return false;
-            best = {std::move(candidate), size};
-            return true;
-        };
-        attempt(factor);
-        for (double ratio = 2; ratio > 1.1; ratio = std::sqrt(ratio)) {
-            if (cancelled(0.3)) return cancelled_error();
-            if (attempt(factor * ratio))
-                factor *= ratio;
-            else if (attempt(factor / ratio))
-                factor /= ratio;
-        }
-        return best;
-    }
-
-    /// The distance of neighbouring values of the sample type at the raster's magnitude.
-    [[nodiscard]] double smallest_step() const {
-        if (is_integer(raster_.type)) return 1;
-        double largest = 0;
-        for (const Grid<double>& plane : filled_)
-            for (std::int64_t r = 0; r < plane.rows(); ++r)
-                for (std::int64_t c = 0; c < plane.cols(); ++c)
-                    largest = std::max(largest, std::abs(plane(r, c)));
-        const double epsilon = raster_.type == SampleType::Float32 ? 0x1p-24 : 0x1p-53;
-        return std::max(largest * epsilon, 1e-290);
-    }
-
-    // --- file
-    // -----------------------------------------------------------------------------------------------------
-
-    /// The file of a candidate whose chunks are coded.
-    Result<Bytes> assemble(const Candidate& candidate, const std::vector<Error2>& level_errors,
-                           const Error2& final_error) const {
+    Status write(const LatticeEncoding& encoding) {
+        const Raster& about = source_.description();
+        const TileTree tree(about.rows, about.cols);
         RasterHeader header;
-        header.description.rows = raster_.rows;
-        header.description.cols = raster_.cols;
-        header.description.type = raster_.type;
-        header.description.nodata = raster_.nodata;
-        header.description.geo = raster_.geo;
-        header.description.unit = raster_.unit;
-        header.description.scale = raster_.scale;
-        header.description.offset = raster_.offset;
-        header.description.band_names = raster_.band_names;
-        header.description.metadata = raster_.metadata;
-        header.components = static_cast<int>(raster_.planes.size());
-        header.has_mask = !raster_.mask.empty();
-        header.spec = pyramid_.layout.spec;
+        header.description = description_of(about);
+        header.components = source_.components();
+        header.has_mask = encoding.has_holes;
+        header.spec = {.id = SchemeId::Fvs, .order = 3, .levels = tree.levels()};
         header.goal = options_.goal;
-        header.max_error = final_error.max;
-        header.rms_error = final_error.rms(samples_);
+        header.max_error = encoding.max_error;
+        const auto values = static_cast<double>(encoding.samples) * header.components;
+        header.rms_error = std::sqrt(encoding.square_error / values);
+        header.lattice = encoding.coding;
 
-        ContainerWriter writer(write_header(header));
-        if (header.has_mask)
-            RELIEF_CHECK(writer.add({.kind = ChunkKind::Mask}, encode_mask(raster_.mask.view())));
-        for (std::size_t k = 0; k < candidate.levels.size(); ++k) {
-            ChunkInfo info;
-            info.kind = k == 0 ? ChunkKind::Scaling : ChunkKind::Level;
-            info.level = static_cast<std::uint16_t>(pyramid_.layout.levels() -
-                                                    (k == 0 ? 0 : static_cast<int>(k) - 1));
-            if (k < level_errors.size()) {
-                info.bound = level_errors[k].max;
-                info.rms = level_errors[k].rms(samples_);
+        std::vector<ChunkInfo> chunks(1);  // no edits
+        for (const SpooledChunk& chunk : encoding.chunks) chunks.push_back(chunk.info);
+        RELIEF_TRY(const Bytes head, container_head(write_header(header), chunks));
+        RELIEF_CHECK(sink_.write(head));
+        Bytes block;
+        for (const SpooledChunk& chunk : encoding.chunks)
+            for (std::uint64_t at = 0; at < chunk.info.length; at += block.size()) {
+                block.resize(static_cast<std::size_t>(
+                    std::min<std::uint64_t>(kCopyBlock, chunk.info.length - at)));
+                RELIEF_CHECK(spool_.read(chunk.place + at, block));
+                RELIEF_CHECK(sink_.write(block));
             }
-            RELIEF_CHECK(writer.add(info, candidate.levels[k]));
-        }
-        if (candidate.corrections)
-            RELIEF_CHECK(writer.add({.kind = ChunkKind::Correction,
-                                     .bound = final_error.max,
-                                     .rms = final_error.rms(samples_)},
-                                    candidate.correction));
-        return writer.finish();
+
+        report_.spec = header.spec;
+        report_.closed_loop = true;
+        report_.profile = options_.profile;
+        report_.lattice = encoding.coding.domains[0].lattice ? encoding.coding.domains[0].unit : 0;
+        report_.samples = about.rows * about.cols;
+        report_.coefficients = report_.samples;
+        report_.kept = encoding.nonzero;
+        report_.corrected = encoding.repairs;
+        report_.bytes = head.size();
+        for (const SpooledChunk& chunk : encoding.chunks) report_.bytes += chunk.info.length;
+        report_.bits_per_sample =
+            8.0 * static_cast<double>(report_.bytes) / static_cast<double>(report_.samples);
+        report_.max_error = header.max_error;
+        report_.rms_error = header.rms_error;
+        report_.energy_percent =
+            encoding.coarse_energy > 0 ? 100 * encoding.square_error / encoding.coarse_energy : 0;
+        return {};
     }
 
-    /// Errors of the surface decoded up to each chunk, at all samples. The largest holds for the
-    /// raster of the chunk's level too, whose border is extrapolated at that level and may differ
-    /// from the surface.
-    std::vector<Error2> errors_by_chunk(const Candidate& candidate) {
-        std::vector<Error2> errors;
-        for (int level = pyramid_.layout.levels(); level >= 1; --level) {
-            Error2 error = surface_error(raster_, surface_of(candidate.quantised, level));
-            error.max = std::max(
-                error.max,
-                largest_error_of_level(raster_, multires::synthesise(scratch_, level), level));
-            errors.push_back(error);
-        }
-        errors.push_back(candidate.error);
-        return errors;
-    }
-
-    Result<EncodedRaster> finish(Candidate best) {
-        if (best.levels.empty()) code(best);
-        const auto level_errors = errors_by_chunk(best);
-        Error2 final_error = best.error;
-        if (best.corrections) {
-            apply_corrections(*best.corrections, raster_.type, raster_.nodata, best.surface);
-            final_error = surface_error(raster_, best.surface);
-        }
-        EncodedRaster result;
-        RELIEF_TRY(result.bytes, assemble(best, level_errors, final_error));
-        RELIEF_CHECK(verify(result.bytes, final_error));
-
-        EncodeReport& report = result.report;
-        report.spec = pyramid_.layout.spec;
-        report.samples = raster_.rows * raster_.cols;
-        report.coefficients = pyramid_.layout.coefficients();
-        report.kept = best.quantised.kept;
-        report.corrected = best.corrections ? best.corrections->corrected : 0;
-        report.bytes = result.bytes.size();
-        report.bits_per_sample =
-            8.0 * static_cast<double>(report.bytes) / static_cast<double>(report.samples);
-        report.max_error = final_error.max;
-        report.rms_error = final_error.rms(samples_);
-        const double energy = detail_energy_of_pyramid();
-        report.energy_percent = energy > 0 ? 100 * final_error.square / energy : 0;
-        report.bound = options_.goal.kind == Kind::MaxError ? options_.goal.value : final_error.max;
-        if (options_.progress) options_.progress(1);
-        return result;
-    }
-
-    double detail_energy_of_pyramid() {
-        for (std::size_t k = 0; k < pyramid_.bands.size(); ++k)
-            for (std::size_t p = 0; p < pyramid_.bands[k].size(); ++p)
-                for (std::int64_t r = 0; r < pyramid_.bands[k][p].rows(); ++r)
-                    if (k == 0)
-                        std::copy_n(pyramid_.bands[k][p].row(r), pyramid_.bands[k][p].cols(),
-                                    scratch_.bands[k][p].row(r));
-                    else
-                        std::fill_n(scratch_.bands[k][p].row(r), scratch_.bands[k][p].cols(), 0.0);
-        const Planes<double> coarse = multires::synthesise(scratch_);
-        double energy = 0;
-        for (std::size_t p = 0; p < coarse.size(); ++p)
-            for (std::int64_t r = 0; r < raster_.rows; ++r)
-                for (std::int64_t c = 0; c < raster_.cols; ++c)
-                    if (raster_.valid(r, c))
-                        energy += std::pow(raster_.planes[p](r, c) - coarse[p](r, c), 2);
-        return energy;
-    }
-
-    /// What was written is decoded and compared: the bound is of the file, not of an intention.
-    Status verify(const std::vector<std::uint8_t>& bytes, const Error2& expected) {
-        RELIEF_TRY(const RasterFile file, RasterFile::open(bytes));
-        RELIEF_TRY(const Raster decoded, file.decode(0));
-        const Error2 found = surface_error(raster_, decoded.planes);
-        const bool over = options_.goal.kind == Kind::MaxError && found.max > options_.goal.value;
-        if (found.max == expected.max && found.square == expected.square && !over) return {};
-        return Error{ErrorCode::BadFile,
-                     "the decoded file differs from what was encoded (error " +
-                         std::to_string(found.max) + " instead of " + std::to_string(expected.max) +
-                         "); nothing was written. Please report this",
-                     "verification"};
-    }
-
-    bool cancelled(double done) { return options_.progress && !options_.progress(done); }
-    static Error cancelled_error() { return Error{ErrorCode::Cancelled, "cancelled", ""}; }
-
-    friend Result<double> relief::codec::detail_energy(const Raster&, const multires::SchemeSpec&);
-
-    const Raster& raster_;
+    const RasterSource& source_;
     const EncodeOptions& options_;
-    std::int64_t samples_ = 0;
-    Planes<double> filled_;
-    Target target_;
-    Pyramid<double> pyramid_;
-    Pyramid<double> scratch_;
+    ByteSink& sink_;
+    Spool& spool_;
+    EncodeReport report_;
 };
+
+Result<EncodeReport> encode_open(const RasterSource& source, const SchemeSpec& spec,
+                                 const EncodeOptions& options, ByteSink& sink) {
+    const Raster& about = source.description();
+    RELIEF_TRY(Raster raster, source.read({0, 0, about.rows, about.cols}));
+    Raster whole = description_of(about);
+    whole.planes = std::move(raster.planes);
+    whole.mask = std::move(raster.mask);
+    RELIEF_TRY(const EncodedRaster encoded, encode_pyramid(whole, spec, options));
+    RELIEF_CHECK(sink.write(encoded.bytes));
+    return encoded.report;
+}
 
 }  // namespace
 
-Result<EncodedRaster> encode_raster(const Raster& raster, const EncodeOptions& options) {
-    return Encoder(raster, options).run();
+Result<EncodeReport> encode_raster(const RasterSource& source, const EncodeOptions& options,
+                                   ByteSink& sink, Spool& spool) {
+    RELIEF_CHECK(check(source, options.goal));
+    SchemeSpec spec = options.spec.value_or(best_scheme(options.goal));
+    const bool bounded = options.goal.kind == Kind::MaxError || options.goal.kind == Kind::Lossless;
+    if (spec.id == SchemeId::Fvs && bounded) {
+        LatticeWriter writer(source, options, sink, spool);
+        RELIEF_TRY(const bool done, writer.run());
+        if (done) return writer.report();
+        spec = {.id = SchemeId::Cubic};
+    }
+    return encode_open(source, spec, options, sink);
 }
 
-Result<double> detail_energy(const Raster& raster, const multires::SchemeSpec& spec) {
-    EncodeOptions options;
-    options.spec = spec;
-    Encoder encoder(raster, options);
-    RELIEF_CHECK(encoder.check());
-    RELIEF_CHECK(encoder.analyse());
-    return encoder.detail_energy_of_pyramid();
+Result<EncodedRaster> encode_raster(const Raster& raster, const EncodeOptions& options) {
+    MemorySink sink;
+    MemorySpool spool;
+    EncodedRaster encoded;
+    RELIEF_TRY(encoded.report, encode_raster(MemoryRaster(raster), options, sink, spool));
+    encoded.bytes = sink.take();
+    return encoded;
 }
 
 }  // namespace relief::codec

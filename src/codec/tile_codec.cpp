@@ -496,8 +496,8 @@ class TileEncoder {
 
 Result<EncodedTile> encode_tile(const LatticeCoding& coding, const TileTree& tree, int tier,
                                 std::int64_t tile, const TileSamples& samples, TileState start,
-                                TileState check, double bound) {
-    return TileEncoder(coding, tree, tier, tile, samples, bound)
+                                TileState check, double bound, bool measure_coarse) {
+    return TileEncoder(coding, tree, tier, tile, samples, bound, measure_coarse)
         .run(std::move(start), std::move(check));
 }
 
