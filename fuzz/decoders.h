@@ -26,14 +26,14 @@ inline void require(bool condition) {
 
 /// The bytes as a file, and as a prefix of one.
 inline void container(std::span<const std::uint8_t> bytes) {
-    for (const std::uint64_t file_size :
-         {std::uint64_t{bytes.size()}, std::uint64_t{bytes.size()} * 2}) {
-        const Result<ContainerReader> reader = ContainerReader::open(bytes, file_size);
+    const auto source = std::make_shared<MemorySource>(Bytes(bytes.begin(), bytes.end()));
+    for (const std::uint64_t visible : {bytes.size(), bytes.size() / 2}) {
+        const Result<ContainerReader> reader = ContainerReader::open(source, visible);
         if (!reader.ok()) continue;
         const std::size_t complete = reader.value().complete_chunks();
         for (std::size_t k = 0; k < reader.value().chunks().size(); ++k)
             require(!reader.value().chunk(k).ok() || k < complete);
-        require(reader.value().complete_size() <= file_size ||
+        require(reader.value().complete_size() <= visible ||
                 complete < reader.value().chunks().size());
     }
 }
@@ -80,7 +80,7 @@ inline void bands(std::span<const std::uint8_t> bytes) {
         return same;
     }();
     if (!decode_level(bytes, level.bands, parents.bands).ok()) return;
-    const std::vector<std::uint8_t> coded = encode_level(level.bands, parents.bands);
+    const Bytes coded = encode_level(level.bands, parents.bands);
     std::span<const std::uint8_t> again = shape;
     Level decoded = Level::from(again);
     require(decode_level(coded, decoded.bands, parents.bands).ok());
@@ -112,6 +112,7 @@ inline void explore(const RasterFile& file) {
     (void)file.control_net();
     for (int level = 0; level <= file.layout().levels(); ++level) {
         (void)file.bound(level);
+        (void)file.surface_bound(level);
         require(file.bytes_for(level) <= file.size());
         const auto raster = file.decode(level);
         if (!raster.ok()) continue;
@@ -125,22 +126,24 @@ inline void explore(const RasterFile& file) {
 
 /// The bytes as a raster file, as its beginning, and with a move added.
 inline void raster(std::span<const std::uint8_t> bytes) {
-    const auto container = ContainerReader::open(bytes, bytes.size());
+    const auto source = std::make_shared<MemorySource>(Bytes(bytes.begin(), bytes.end()));
+    const auto container = ContainerReader::open(source);
     if (container.ok() && !is_small(*container)) return;
-    const std::vector<std::uint8_t> copy(bytes.begin(), bytes.end());
-    if (const auto file = RasterFile::open(copy); file.ok()) {
+    if (const auto file = RasterFile::open(source); file.ok()) {
         explore(*file);
-        if (const auto moved = add_moves(bytes, {{.delta = {1}}}); moved.ok()) {
-            const auto again = RasterFile::open(*moved);
+        MemorySink moved;
+        if (add_moves(source, {{.delta = {1}}}, moved).ok()) {
+            const auto again = RasterFile::open(moved.take());
             require(again.ok() && again->moves().size() == file->moves().size() + 1);
         }
-    } else if (const auto prefix = RasterFile::open_prefix(copy, bytes.size()); prefix.ok()) {
+    } else if (const auto prefix = RasterFile::open(source, bytes.size() - 1); prefix.ok()) {
         explore(*prefix);
     }
 }
 
-/// Small files of every kind: a mask, moves, corrections of integers and of floats, two schemes.
-inline const std::vector<std::vector<std::uint8_t>>& valid_rasters() {
+/// Small files of every kind: masks, moves, corrections of integers and of floats, schemes, both
+/// loops.
+inline const std::vector<Bytes>& valid_rasters() {
     static const auto files = [] {
         const auto surface = [](SampleType type, bool holes) {
             Raster raster;
@@ -159,7 +162,7 @@ inline const std::vector<std::vector<std::uint8_t>>& valid_rasters() {
             return raster;
         };
         using Kind = Goal::Kind;
-        std::vector<std::vector<std::uint8_t>> coded;
+        std::vector<Bytes> coded;
         const auto add = [&](const Raster& raster, multires::SchemeId scheme, Goal goal) {
             multires::SchemeSpec spec;
             spec.id = scheme;
@@ -168,6 +171,10 @@ inline const std::vector<std::vector<std::uint8_t>>& valid_rasters() {
         add(surface(SampleType::Int16, true), multires::SchemeId::Box, {Kind::MaxError, 2});
         add(surface(SampleType::Float32, false), multires::SchemeId::Box, {Kind::Lossless, 0});
         add(surface(SampleType::Float64, true), multires::SchemeId::Barycentric, {Kind::Keep, 40});
+        for (const Profile profile : {Profile::Fast, Profile::Dense})
+            coded.push_back(encode_raster(surface(SampleType::Float32, profile == Profile::Dense),
+                                          {.goal = {Kind::MaxError, 0.3}, .profile = profile})
+                                ->bytes);
         coded.push_back(*add_moves(coded[0], {{.level = 1, .row = 2, .col = 3, .delta = {5}}}));
         return coded;
     }();
@@ -175,20 +182,19 @@ inline const std::vector<std::vector<std::uint8_t>>& valid_rasters() {
 }
 
 /// The same file with another header, chunks altered; all checksums hold.
-inline std::vector<std::uint8_t> rebuilt(const ContainerReader& reader, const std::string& header,
-                                         const std::vector<std::vector<std::uint8_t>>& chunks) {
-    ContainerWriter writer(header);
+inline Bytes rebuilt(const ContainerReader& reader, const std::string& header,
+                                         const std::vector<Bytes>& chunks) {
+    ContainerWriter writer;
     for (std::size_t k = 0; k < chunks.size(); ++k)
-        require(writer.add(reader.chunks()[k], chunks[k]).ok());
-    const auto file = writer.finish();
-    return file.ok() ? *file : std::vector<std::uint8_t>();
+        writer.add(chunks[k], reader.chunks()[k].bound);
+    const auto file = writer.finish(header);
+    return file.ok() ? *file : Bytes();
 }
 
-inline std::vector<std::vector<std::uint8_t>> chunks_of(const ContainerReader& reader) {
-    std::vector<std::vector<std::uint8_t>> chunks;
+inline std::vector<Bytes> chunks_of(const ContainerReader& reader) {
+    std::vector<Bytes> chunks;
     for (std::size_t k = 0; k < reader.chunks().size(); ++k) {
-        const auto chunk = *reader.chunk(k);
-        chunks.emplace_back(chunk.begin(), chunk.end());
+        chunks.push_back(*reader.chunk(k));
     }
     return chunks;
 }
@@ -199,7 +205,7 @@ inline void raster_chunks(std::span<const std::uint8_t> bytes) {
     if (bytes.empty()) return;
     const auto& files = valid_rasters();
     const auto& file = files[bytes[0] % files.size()];
-    const auto reader = *ContainerReader::open(file, file.size());
+    const auto reader = *ContainerReader::open(file);
     auto chunks = chunks_of(reader);
     for (bytes = bytes.subspan(1); bytes.size() >= 4;) {
         auto& chunk = chunks[bytes[0] % chunks.size()];
@@ -228,7 +234,7 @@ inline void raster_header(std::span<const std::uint8_t> bytes) {
         require(again.ok() && write_header(*again) == once);
     }
     for (const auto& file : valid_rasters()) {
-        const auto reader = *ContainerReader::open(file, file.size());
+        const auto reader = *ContainerReader::open(file);
         raster(rebuilt(reader, text, chunks_of(reader)));
     }
 }

@@ -333,4 +333,10 @@ Status add_moves(const std::shared_ptr<const ByteSource>& source, const std::vec
     return {};
 }
 
+Result<Bytes> add_moves(Bytes file, const std::vector<Move>& moves) {
+    MemorySink sink;
+    RELIEF_CHECK(add_moves(std::make_shared<MemorySource>(std::move(file)), moves, sink));
+    return sink.take();
+}
+
 }  // namespace relief::codec

@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "relief/core/result.h"
@@ -66,6 +67,11 @@ class ContainerReader {
     [[nodiscard]] static Result<ContainerReader> open(
         std::shared_ptr<const ByteSource> source,
         std::uint64_t visible = std::numeric_limits<std::uint64_t>::max());
+
+    /// A file in memory.
+    [[nodiscard]] static Result<ContainerReader> open(Bytes bytes) {
+        return open(std::make_shared<MemorySource>(std::move(bytes)));
+    }
 
     [[nodiscard]] const std::string& header() const { return header_; }
     [[nodiscard]] const std::vector<ChunkInfo>& chunks() const { return directory_; }

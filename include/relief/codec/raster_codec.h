@@ -191,6 +191,9 @@ class RasterFile {
 Status add_moves(const std::shared_ptr<const ByteSource>& source,
                  const std::vector<multires::Move>& moves, ByteSink& sink);
 
+/// The same in memory.
+[[nodiscard]] Result<Bytes> add_moves(Bytes file, const std::vector<multires::Move>& moves);
+
 /// Sum of squares of (surface minus its reconstruction from the coarsest scaling coefficients) over
 /// valid samples: the denominator of energy_percent.
 [[nodiscard]] Result<double> detail_energy(const Raster& raster, const multires::SchemeSpec& spec);
