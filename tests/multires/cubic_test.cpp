@@ -1,8 +1,7 @@
 #include "relief/multires/cubic.h"
 
-#include <cstring>
-
 #include "cubic_reference.h"
+#include "cubic_support.h"
 #include "relief/core/parallel.h"
 #include "relief/core/simd.h"
 #include "support.h"
@@ -12,42 +11,6 @@ namespace {
 
 using test::largest_difference;
 using test::noise_grid;
-
-SchemeSpec spec_of(int levels = -1, bool exact = false) {
-    return {.id = SchemeId::Cubic, .levels = levels, .exact = exact};
-}
-
-template <class T>
-Pyramid<T> analysed(const Grid<T>& finest, const SchemeSpec& spec) {
-    auto pyramid = Pyramid<T>::allocate(*layout(spec, finest.rows(), finest.cols(), 1));
-    analyse<T>(finest.view(), 0, pyramid);
-    return pyramid;
-}
-
-template <class T>
-Pyramid<T> empty_pyramid(const SchemeSpec& spec, std::int64_t rows, std::int64_t cols) {
-    auto pyramid = Pyramid<T>::allocate(*layout(spec, rows, cols, 1));
-    for (std::size_t k = 0; k < pyramid.bands.size(); ++k) {
-        const LatticeBox& box = pyramid.layout.bands[k].box;
-        pyramid.bands[k][0] = Grid<T>(box.rows, box.cols, T(0));
-    }
-    return pyramid;
-}
-
-template <class T>
-bool same_bytes(const Grid<T>& a, const Grid<T>& b) {
-    if (a.rows() != b.rows() || a.cols() != b.cols()) return false;
-    for (std::int64_t r = 0; r < a.rows(); ++r)
-        if (std::memcmp(a.row(r), b.row(r), std::size_t(a.cols()) * sizeof(T)) != 0) return false;
-    return true;
-}
-
-template <class T>
-bool same_bytes(const Pyramid<T>& a, const Pyramid<T>& b) {
-    for (std::size_t k = 0; k < a.bands.size(); ++k)
-        if (!same_bytes(a.bands[k][0], b.bands[k][0])) return false;
-    return a.bands.size() == b.bands.size();
-}
 
 /// Threads and vector instructions as they were, whatever a test did.
 struct Settings {
