@@ -375,7 +375,7 @@ Result<Planes<double>> RasterFile::control_net() const {
     }
     RELIEF_TRY(Planes<double> net, state_->corrected_samples(0));
     const multires::SchemeSpec& spec = layout().spec;
-    if (spec.order > 1 && spec.data_map != multires::DataMap::Coefficients)
+    if (!multires::samples_are_coefficients(spec))
         for (Grid<double>& plane : net) {
             Grid<double> solved(plane.rows(), plane.cols());
             RELIEF_CHECK(
