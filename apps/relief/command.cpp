@@ -85,9 +85,9 @@ double Stopwatch::seconds() const {
 }
 
 void SchemeOptions::add_to(CLI::App& app) {
-    app.add_option("--scheme", scheme, "box (default), barycentric");
+    app.add_option("--scheme", scheme, "box (default), barycentric, cubic");
     app.add_option("--order", order,
-                   "1: linear C0, 2: quartic C2 (default); barycentric also 3: C4, 4: C6");
+                   "1: linear C0, 2: quartic C2 (default); barycentric also 3: C4, 4: C6; cubic has 2");
     app.add_option("--levels", levels, "levels of detail; default: as many as the raster allows");
     app.add_option("--family", family,
                    "barycentric: compact (default), semi-orthogonal, truncated, truncated-literal");
@@ -96,6 +96,7 @@ void SchemeOptions::add_to(CLI::App& app) {
     app.add_option(
         "--map", map,
         "how samples and surface meet: interpolate (default), quasi-interpolate, coefficients");
+    app.add_flag("--exact", exact, "cubic: the whole spline by recursion, not its taps cut at six");
 }
 
 Result<multires::SchemeSpec> SchemeOptions::spec() const {
@@ -107,6 +108,7 @@ Result<multires::SchemeSpec> SchemeOptions::spec() const {
     spec.order = order;
     spec.levels = levels;
     spec.dual_order = dual;
+    spec.exact = exact;
     return spec;
 }
 

@@ -86,6 +86,7 @@ struct SchemeOptions {
     std::string family = "compact";
     int dual = 0;
     std::string map = "interpolate";
+    bool exact = false;
 
     void add_to(CLI::App& app);
     [[nodiscard]] Result<multires::SchemeSpec> spec() const;

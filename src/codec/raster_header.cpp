@@ -120,7 +120,11 @@ Json scheme_json(const multires::SchemeSpec& spec) {
         json["family"] = multires::family_name(spec.family);
         if (spec.dual_order != 0) json["dual"] = spec.dual_order;
     }
-    if (spec.order > 1) json["map"] = multires::data_map_name(spec.data_map);
+    if (spec.id == multires::SchemeId::Cubic) {
+        if (spec.exact) json["exact"] = true;
+    } else if (spec.order > 1) {
+        json["map"] = multires::data_map_name(spec.data_map);
+    }
     return json;
 }
 
@@ -130,6 +134,7 @@ Status read_scheme(const Json& json, multires::SchemeSpec& spec) {
     spec.order = reader.get("order", 2, true);
     spec.levels = reader.get("levels", 0, true);
     spec.dual_order = reader.get("dual", 0);
+    spec.exact = reader.get("exact", false);
     const auto family = reader.get<std::string>("family", "compact");
     const auto map = reader.get<std::string>("map", "interpolate");
     RELIEF_CHECK(reader.status());

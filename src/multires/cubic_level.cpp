@@ -11,75 +11,76 @@ namespace {
 /// Pairs of rows and of columns that a tile has: the rows in work then stay in a core's own cache,
 /// and what is computed twice at the borders hardly counts.
 constexpr std::int64_t kTileRows = 256;
-constexpr std::int64_t kTileCols = 1024;
+constexpr std::int64_t kTileCols = 2048;
 
 /// Pairs of rows that are lifted together, while the columns of a block stay in the nearest cache.
 constexpr std::int64_t kBatch = 8;
 constexpr std::int64_t kBlockBytes = 1024;
 
-/// Rows that are kept: those of a batch, and 2 kReach on either side.
+/// Pairs of rows that are kept: those of a batch, and 2 kReach on either side.
 constexpr std::int64_t kKept = 32;
-static_assert(kKept >= kBatch + 4 * kReach && (kKept & (kKept - 1)) == 0);
+static_assert(kKept >= kBatch + 4 * kReach);
 
-/// Room beside a row for its halo; whole cache lines.
+/// Room beside a row for its halo, in whole cache lines.
 constexpr std::int64_t kMargin = 16;
 static_assert(kMargin >= 2 * kReach);
 
+/// Some rows, each with its even and its odd columns apart and margins around both for halo and
+/// mirror. Column 0 is the first of the tile's pairs.
 template <class T>
-Neighbours<T> weighted_neighbours(const Lifting& lifting, Parity parity) {
-    Neighbours<T> neighbours;
-    for (int k = 0; k < kTaps; ++k)
-        neighbours.weight[k] = static_cast<T>(lifting.factor(parity) * kHalfwayTaps[k]);
-    return neighbours;
-}
-
-/// The first neighbour of member i on its upper side; the one before is the first on the lower.
-constexpr std::int64_t upper_neighbour(Parity parity, std::int64_t i) {
-    return parity == Parity::Odd ? i + 1 : i;
-}
-
-/// The even or the odd columns of some rows, each row with a margin for the mirror on both sides.
-/// Column 0 is the first of the tile's pairs.
-template <class T>
-class Pane {
+class SplitRows {
   public:
-    Pane() = default;
-    Pane(std::int64_t rows, std::int64_t cols) : grid_(rows, cols + 2 * kMargin) {}
-    T* row(std::int64_t r) { return grid_.row(r) + kMargin; }
+    SplitRows(std::int64_t rows, std::int64_t pairs)
+        : width_((pairs + 3 * kMargin - 1) / kMargin * kMargin), grid_(rows, 2 * width_) {}
+    T* row(std::int64_t r, Parity col) {
+        return grid_.row(r) + (col == Parity::Even ? 0 : width_) + kMargin;
+    }
 
   private:
+    std::int64_t width_;
     Grid<T> grid_;
 };
 
-/// Both parities of something.
-template <class Value>
-struct Both {
-    Value even;
-    Value odd;
-    Value& operator[](Parity parity) { return parity == Parity::Even ? even : odd; }
+/// The neighbours that a step reads, by parity of the members that it changes.
+template <class T>
+class Steps {
+  public:
+    explicit Steps(const Lifting& lifting) {
+        for (const Parity parity : {Parity::Even, Parity::Odd})
+            for (int k = 0; k < kTaps; ++k)
+                neighbours_[index(parity)].weight[k] =
+                    static_cast<T>(lifting.factor(parity) * kHalfwayTaps[k]);
+    }
+
+    /// Those of member i; at(k) is where member k of the other parity stands.
+    template <class At>
+    const Neighbours<T>& of(Parity parity, std::int64_t i, At at) {
+        Neighbours<T>& from = neighbours_[index(parity)];
+        const std::int64_t upper = parity == Parity::Odd ? i + 1 : i;
+        for (std::int64_t k = 0; k < kTaps; ++k) {
+            from.lower[k] = at(upper - 1 - k);
+            from.upper[k] = at(upper + k);
+        }
+        return from;
+    }
+
+  private:
+    Neighbours<T> neighbours_[2];
 };
 
 /// Lifting along one row.
 template <class T>
 class RowLifting {
   public:
-    RowLifting(const Lifting& lifting, const Axis& cols)
-        : cols_(cols),
-          even_(weighted_neighbours<T>(lifting, Parity::Even)),
-          odd_(weighted_neighbours<T>(lifting, Parity::Odd)) {}
+    RowLifting(const Lifting& lifting, const Axis& cols) : cols_(cols), steps_(lifting) {}
 
     /// Lifts the members of one parity, and of up to `halo` pairs beyond, by their neighbours,
     /// whose margins it fills.
     void run(Parity parity, std::int64_t halo, const T* in, T* neighbours, T* out) {
         fill_mirror(other(parity), halo + kReach, neighbours);
-        Neighbours<T>& from = parity == Parity::Even ? even_ : odd_;
-        for (int k = 0; k < kTaps; ++k) {
-            from.upper[k] = neighbours + upper_neighbour(parity, k);
-            from.lower[k] = neighbours + upper_neighbour(parity, -1 - k);
-        }
-        const Range existing = cols_.existing(parity, halo);
-        lift_row(out, in, from, existing.first - cols_.pairs.first,
-                 existing.last - cols_.pairs.first);
+        const auto& from = steps_.of(parity, 0, [&](std::int64_t k) { return neighbours + k; });
+        const Range range = cols_.existing(parity, halo);
+        lift_row(out, in, from, range.first - cols_.pairs.first, range.last - cols_.pairs.first);
     }
 
   private:
@@ -93,8 +94,7 @@ class RowLifting {
     }
 
     Axis cols_;
-    Neighbours<T> even_;
-    Neighbours<T> odd_;
+    Steps<T> steps_;
 };
 
 /// Calls fn(first, last) for consecutive blocks of columns.
@@ -103,6 +103,13 @@ void for_blocks(Range cols, Function fn) {
     constexpr std::int64_t block = kBlockBytes / static_cast<std::int64_t>(sizeof(T));
     for (std::int64_t first = cols.first; first < cols.last; first += block)
         fn(Range{first, std::min(first + block, cols.last)});
+}
+
+/// Consecutive batches of the pairs of an axis.
+template <class Function>
+void for_batches(const Axis& axis, Function fn) {
+    for (std::int64_t i = axis.pairs.first; i < axis.pairs.last; i += kBatch)
+        fn(Axis{axis.n, {i, std::min(i + kBatch, axis.pairs.last)}});
 }
 
 /// A tile of split_level.
@@ -117,104 +124,72 @@ class Splitting {
           cols_(tile.cols),
           fine_(fine),
           bands_(bands),
+          traffic_(streamed_if_large<T>(bands[0].view.count())),
           along_rows_(lifting, cols_),
-          weights_{weighted_neighbours<T>(lifting, Parity::Even),
-                   weighted_neighbours<T>(lifting, Parity::Odd)} {
-        const std::int64_t width = cols_.pairs.last - cols_.pairs.first;
-        for (const Parity parity : {Parity::Even, Parity::Odd}) {
-            split_[parity] = Pane<T>(1, width);
-            for (const Parity row : {Parity::Even, Parity::Odd})
-                kept_[row][parity] = Pane<T>(kKept, width);
-        }
-    }
+          steps_(lifting),
+          split_(1, cols_.pairs.last - cols_.pairs.first),
+          kept_(2 * kKept, cols_.pairs.last - cols_.pairs.first) {}
 
     void run() {
-        const Range first_rows = rows_.existing(first_, kReach);
-        std::int64_t loaded[2];
-        loaded[index(first_)] = first_rows.first;
-        loaded[index(second_)] = rows_.existing(second_, 2 * kReach).first;
-        Range stepped{first_rows.first, first_rows.first};
-        for (std::int64_t i = rows_.pairs.first; i < rows_.pairs.last; i += kBatch) {
-            Axis batch = rows_;
-            batch.pairs = {i, std::min(i + kBatch, rows_.pairs.last)};
-            stepped = {stepped.last, batch.existing(first_, kReach).last};
-            load(first_, loaded[index(first_)], stepped.last);
-            load(second_, loaded[index(second_)], batch.existing(second_, 2 * kReach).last);
-            for (const Parity col : {Parity::Even, Parity::Odd}) {
-                const Range wanted = cols_.existing(col, 0);
-                for_blocks<T>({0, wanted.last - wanted.first}, [&](Range block) {
-                    if (rows_.n > 1) step_first(col, stepped, block);
-                    write(col, batch, block);
+        std::int64_t first_rows = rows_.existing(first_, kReach).first;
+        std::int64_t second_rows = rows_.existing(second_, 2 * kReach).first;
+        for_batches(rows_, [&](const Axis& batch) {
+            const Range stepped{first_rows, batch.existing(first_, kReach).last};
+            for (; first_rows < stepped.last; ++first_rows) load(first_, first_rows);
+            for (; second_rows < batch.existing(second_, 2 * kReach).last; ++second_rows)
+                load(second_, second_rows);
+            for (const Parity col : {Parity::Even, Parity::Odd})
+                for_blocks<T>(cols_.existing(col, 0), [&](Range block) {
+                    lift(first_, stepped, col, block);
+                    lift(second_, batch.existing(second_, 0), col, block);
+                    write(first_, batch.existing(first_, 0), col, block);
+                    write(second_, batch.existing(second_, 0), col, block);
                 });
-            }
-        }
+        });
         finish_streaming();
     }
 
   private:
-    T* kept(Parity row, Parity col, std::int64_t i) { return kept_[row][col].row(i & (kKept - 1)); }
-
-    /// Rows `next` .. last - 1 of a parity, lifted along themselves.
-    void load(Parity row, std::int64_t& next, std::int64_t last) {
-        for (; next < last; ++next) load_row(row, next);
+    T* kept(Parity row, std::int64_t i, Parity col) {
+        return kept_.row((2 * i + static_cast<std::int64_t>(row)) % (2 * kKept), col);
     }
 
-    void load_row(Parity row, std::int64_t i) {
-        const std::int64_t origin = cols_.pairs.first;
+    /// Reads a row and lifts along it.
+    void load(Parity row, std::int64_t i) {
         const Range even = cols_.existing(Parity::Even, 2 * kReach);
         const Range odd = cols_.existing(Parity::Odd, 2 * kReach);
         const T* source = fine_.at(2 * i + static_cast<std::int64_t>(row), 2 * even.first);
-        T* out_even = split_.even.row(0) + (even.first - origin);
+        const std::int64_t first = even.first - cols_.pairs.first;
         const std::int64_t pairs = odd.last - even.first;
-        row_split(source, pairs, out_even, split_.odd.row(0) + (even.first - origin));
-        if (even.last > odd.last) out_even[pairs] = source[2 * pairs];
-        T* first = kept(row, first_, i);
-        T* second = kept(row, second_, i);
         if (cols_.n == 1) {
-            kept(row, Parity::Even, i)[0] = split_.even.row(0)[0];
+            kept(row, i, Parity::Even)[0] = source[0];
             return;
         }
-        along_rows_.run(first_, kReach, split_[first_].row(0), split_[second_].row(0), first);
-        along_rows_.run(second_, 0, split_[second_].row(0), first, second);
+        T* split_even = split_.row(0, Parity::Even) + first;
+        row_split(source, pairs, split_even, split_.row(0, Parity::Odd) + first);
+        if (even.last > odd.last) split_even[pairs] = source[2 * pairs];
+        T* lifted = kept(row, i, first_);
+        along_rows_.run(first_, kReach, split_.row(0, first_), split_.row(0, second_), lifted);
+        along_rows_.run(second_, 0, split_.row(0, second_), lifted, kept(row, i, second_));
     }
 
-    Neighbours<T>& neighbours(Parity row, Parity col, std::int64_t i) {
-        Neighbours<T>& from = weights_[row];
-        const Parity beside = other(row);
-        const std::int64_t upper = upper_neighbour(row, i);
-        for (std::int64_t k = 0; k < kTaps; ++k) {
-            from.upper[k] = kept(beside, col, rows_.mirrored(beside, upper + k));
-            from.lower[k] = kept(beside, col, rows_.mirrored(beside, upper - 1 - k));
-        }
-        return from;
-    }
-
-    void step_first(Parity col, Range rows, Range block) {
+    void lift(Parity row, Range rows, Parity col, Range block) {
+        if (rows_.n == 1) return;
+        const std::int64_t origin = cols_.pairs.first;
         for (std::int64_t i = rows.first; i < rows.last; ++i) {
-            T* row = kept(first_, col, i);
-            lift_row(row, row, neighbours(first_, col, i), block.first, block.last);
+            const auto& from = steps_.of(row, i, [&](std::int64_t k) {
+                return kept(other(row), rows_.mirrored(other(row), k), col);
+            });
+            T* lifted = kept(row, i, col);
+            lift_row(lifted, lifted, from, block.first - origin, block.last - origin);
         }
     }
 
-    /// The finished rows of a batch: those of the first step are copied, the others lifted into
-    /// their bands.
-    void write(Parity col, const Axis& batch, Range block) {
-        const auto target = [&](Parity row, std::int64_t i) {
-            return bands_[channel(row, col)].at(i, cols_.pairs.first);
-        };
-        const Range firsts = batch.existing(first_, 0);
-        for (std::int64_t i = firsts.first; i < firsts.last; ++i)
-            std::copy(kept(first_, col, i) + block.first, kept(first_, col, i) + block.last,
-                      target(first_, i) + block.first);
-        const Range seconds = batch.existing(second_, 0);
-        for (std::int64_t i = seconds.first; i < seconds.last; ++i) {
-            const T* row = kept(second_, col, i);
-            if (rows_.n > 1)
-                lift_row(target(second_, i), row, neighbours(second_, col, i), block.first,
-                         block.last);
-            else
-                std::copy(row + block.first, row + block.last, target(second_, i) + block.first);
-        }
+    void write(Parity row, Range rows, Parity col, Range block) {
+        for (std::int64_t i = rows.first; i < rows.last; ++i)
+            copy_row<T>(kept(row, i, col) + (block.first - cols_.pairs.first),
+                        block.last - block.first, bands_[channel(row, col)].at(i, block.first),
+                        traffic_);
     }
 
     Parity first_;
@@ -223,10 +198,11 @@ class Splitting {
     Axis cols_;
     const Part<const T>& fine_;
     const Bands<T>& bands_;
+    Traffic traffic_;
     RowLifting<T> along_rows_;
-    Both<Neighbours<T>> weights_;
-    Both<Pane<T>> split_;       ///< the columns of one row
-    Both<Both<Pane<T>>> kept_;  ///< by parity of the row, then of the column
+    Steps<T> steps_;
+    SplitRows<T> split_;
+    SplitRows<T> kept_;
 };
 
 /// A tile of merge_level.
@@ -240,100 +216,91 @@ class Merging {
           traffic_(traffic),
           fine_(fine),
           along_rows_(kSynthesis, cols_),
-          weights_{weighted_neighbours<T>(kSynthesis, Parity::Even),
-                   weighted_neighbours<T>(kSynthesis, Parity::Odd)},
-          merged_(1, 2 * (cols_.pairs.last - cols_.pairs.first)) {
-        const std::int64_t width = cols_.pairs.last - cols_.pairs.first;
-        for (const Parity parity : {Parity::Even, Parity::Odd}) {
-            kept_[parity] = Pane<T>(kKept, width);
-            odd_rows_[parity] = Pane<T>(kBatch, width);
-            lifted_[parity] = Pane<T>(1, width);
-        }
-    }
+          steps_(kSynthesis),
+          even_rows_(kKept, cols_.pairs.last - cols_.pairs.first),
+          odd_rows_(kBatch, cols_.pairs.last - cols_.pairs.first),
+          lifted_(1, cols_.pairs.last - cols_.pairs.first),
+          merged_(1, 2 * (cols_.pairs.last - cols_.pairs.first)) {}
 
     void run() {
-        const Range even_rows = rows_.existing(Parity::Even, kReach);
-        Range stepped{even_rows.first, even_rows.first};
-        for (std::int64_t i = rows_.pairs.first; i < rows_.pairs.last; i += kBatch) {
-            Axis batch = rows_;
-            batch.pairs = {i, std::min(i + kBatch, rows_.pairs.last)};
-            stepped = {stepped.last, batch.existing(Parity::Even, kReach).last};
-            for (const Parity col : {Parity::Even, Parity::Odd}) {
-                const Range wanted = cols_.existing(col, halo(col));
-                for_blocks<T>(wanted, [&](Range block) {
-                    lift_even_rows(col, stepped, block);
-                    lift_odd_rows(col, batch.existing(Parity::Odd, 0), block);
+        std::int64_t next = rows_.existing(Parity::Even, kReach).first;
+        for_batches(rows_, [&](const Axis& batch) {
+            const Range even_rows{next, batch.existing(Parity::Even, kReach).last};
+            const Range odd_rows = batch.existing(Parity::Odd, 0);
+            next = even_rows.last;
+            for (const Parity col : {Parity::Even, Parity::Odd})
+                for_blocks<T>(wanted(col), [&](Range block) {
+                    lift_even_rows(even_rows, col, block);
+                    lift_odd_rows(odd_rows, col, block);
                 });
+            for (std::int64_t i = batch.pairs.first; i < batch.pairs.last; ++i) {
+                write(2 * i, even_rows_, i % kKept);
+                write(2 * i + 1, odd_rows_, i % kBatch);
             }
-            for (std::int64_t r = batch.pairs.first; r < batch.pairs.last; ++r) {
-                write(2 * r, kept(Parity::Even, r), kept(Parity::Odd, r));
-                write(2 * r + 1, odd_row(Parity::Even, r), odd_row(Parity::Odd, r));
-            }
-        }
+        });
         finish_streaming();
     }
 
   private:
-    static std::int64_t halo(Parity parity) { return parity == Parity::Even ? kReach : 2 * kReach; }
-    T* kept(Parity col, std::int64_t i) { return kept_[col].row(i & (kKept - 1)); }
-    T* odd_row(Parity col, std::int64_t i) { return odd_rows_[col].row(i % kBatch); }
-    [[nodiscard]] const T* band(Parity row, Parity col, std::int64_t i) const {
+    /// Columns whose rows are needed to lift along them.
+    [[nodiscard]] Range wanted(Parity col) const {
+        return cols_.existing(col, col == Parity::Even ? kReach : 2 * kReach);
+    }
+    [[nodiscard]] const T* band(Parity row, std::int64_t i, Parity col) const {
         return bands_[channel(row, col)].at(i, cols_.pairs.first);
     }
 
-    template <class RowAt>
-    Neighbours<T>& neighbours(Parity row, std::int64_t i, RowAt row_at) {
-        Neighbours<T>& from = weights_[row];
-        const std::int64_t upper = upper_neighbour(row, i);
-        for (std::int64_t k = 0; k < kTaps; ++k) {
-            from.upper[k] = row_at(rows_.mirrored(other(row), upper + k));
-            from.lower[k] = row_at(rows_.mirrored(other(row), upper - 1 - k));
-        }
-        return from;
-    }
-
-    void lift_even_rows(Parity col, Range rows, Range block) {
-        const std::int64_t origin = cols_.pairs.first;
+    void lift_even_rows(Range rows, Parity col, Range block) {
+        const std::int64_t first = block.first - cols_.pairs.first;
+        const std::int64_t last = block.last - cols_.pairs.first;
         for (std::int64_t i = rows.first; i < rows.last; ++i) {
-            const T* row = band(Parity::Even, col, i);
+            const T* row = band(Parity::Even, i, col);
+            T* lifted = even_rows_.row(i % kKept, col);
             if (rows_.n == 1) {
-                std::copy(row + block.first - origin, row + block.last - origin,
-                          kept(col, i) + block.first - origin);
+                std::copy(row + first, row + last, lifted + first);
                 continue;
             }
-            const auto odd = [&](std::int64_t k) { return band(Parity::Odd, col, k); };
-            lift_row(kept(col, i), row, neighbours(Parity::Even, i, odd), block.first - origin,
-                     block.last - origin);
+            const auto& from = steps_.of(Parity::Even, i, [&](std::int64_t k) {
+                return band(Parity::Odd, rows_.mirrored(Parity::Odd, k), col);
+            });
+            lift_row(lifted, row, from, first, last);
         }
     }
 
-    void lift_odd_rows(Parity col, Range rows, Range block) {
-        const std::int64_t origin = cols_.pairs.first;
+    void lift_odd_rows(Range rows, Parity col, Range block) {
+        const std::int64_t first = block.first - cols_.pairs.first;
+        const std::int64_t last = block.last - cols_.pairs.first;
         for (std::int64_t i = rows.first; i < rows.last; ++i) {
-            const auto even = [&](std::int64_t k) { return kept(col, k); };
-            lift_row(odd_row(col, i), band(Parity::Odd, col, i), neighbours(Parity::Odd, i, even),
-                     block.first - origin, block.last - origin);
+            const auto& from = steps_.of(Parity::Odd, i, [&](std::int64_t k) {
+                return even_rows_.row(rows_.mirrored(Parity::Even, k) % kKept, col);
+            });
+            lift_row(odd_rows_.row(i % kBatch, col), band(Parity::Odd, i, col), from, first, last);
         }
     }
 
-    /// Lifts along a finished row and writes what of it is wanted.
-    void write(std::int64_t y, T* even, T* odd) {
+    /// Lifts along a row and writes what of it is wanted.
+    void write(std::int64_t y, SplitRows<T>& rows, std::int64_t r) {
         if (y < fine_.row0 || y >= fine_.row0 + fine_.view.rows) return;
-        T* lifted_even = even;
+        T* even = rows.row(r, Parity::Even);
+        T* odd = rows.row(r, Parity::Odd);
         if (cols_.n > 1) {
-            lifted_even = lifted_.even.row(0);
+            T* lifted_even = lifted_.row(0, Parity::Even);
+            T* lifted_odd = lifted_.row(0, Parity::Odd);
             along_rows_.run(Parity::Even, kReach, even, odd, lifted_even);
-            along_rows_.run(Parity::Odd, 0, odd, lifted_even, lifted_.odd.row(0));
+            along_rows_.run(Parity::Odd, 0, odd, lifted_even, lifted_odd);
+            even = lifted_even;
+            odd = lifted_odd;
         }
         const Range evens = cols_.existing(Parity::Even, 0);
         const Range odds = cols_.existing(Parity::Odd, 0);
         const std::int64_t pairs = odds.last - odds.first;
-        T* row = merged_.row(0);
-        row_merge(lifted_even, lifted_.odd.row(0), pairs, row);
-        if (evens.last > odds.last) row[2 * pairs] = lifted_even[pairs];
-        const std::int64_t begin = std::max(2 * evens.first, fine_.col0);
-        const std::int64_t end = std::min(evens.last + odds.last, fine_.col0 + fine_.view.cols);
-        copy_row<T>(row + (begin - 2 * evens.first), end - begin, fine_.at(y, begin), traffic_);
+        T* samples = merged_.row(0);
+        row_merge(even, odd, pairs, samples);
+        if (evens.last > odds.last) samples[2 * pairs] = even[pairs];
+        const std::int64_t first = std::max(2 * evens.first, fine_.col0);
+        const std::int64_t last = std::min(evens.last + odds.last, fine_.col0 + fine_.view.cols);
+        copy_row<T>(samples + (first - 2 * evens.first), last - first, fine_.at(y, first),
+                    traffic_);
     }
 
     Axis rows_;
@@ -342,10 +309,10 @@ class Merging {
     Traffic traffic_;
     const Part<T>& fine_;
     RowLifting<T> along_rows_;
-    Both<Neighbours<T>> weights_;
-    Both<Pane<T>> kept_;      ///< even rows by parity of the column
-    Both<Pane<T>> odd_rows_;  ///< of a batch
-    Both<Pane<T>> lifted_;    ///< one row
+    Steps<T> steps_;
+    SplitRows<T> even_rows_;
+    SplitRows<T> odd_rows_;  ///< of a batch
+    SplitRows<T> lifted_;
     Grid<T> merged_;
 };
 

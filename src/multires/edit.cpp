@@ -1,11 +1,10 @@
 #include "relief/multires/edit.h"
 
 #include <algorithm>
-#include <map>
+#include <limits>
 #include <string>
 
-#include "relief/multires/barycentric.h"
-#include "relief/multires/box.h"
+#include "multires/cubic_rules.h"
 
 namespace relief::multires {
 
@@ -64,14 +63,9 @@ Status apply_moves(Pyramid<T>& pyramid, const std::vector<Move>& moves) {
         // Analysis is linear: the bands above a move change by the analysis of the change alone.
         const LevelCoefficients<T> change = field_of<T>(layout, moves, level);
         auto difference = Pyramid<T>::allocate(layout);
-        Workspace<T> workspace;
-        for (std::size_t c = 0; c < change.planes.size(); ++c) {
-            const int component = static_cast<int>(c);
-            if (layout.spec.id == SchemeId::Box)
-                box::analyse<T>(change.planes[c].view(), component, difference, workspace, level);
-            else
-                barycentric::analyse<T>(change.planes[c].view(), component, difference, level);
-        }
+        for (std::size_t c = 0; c < change.planes.size(); ++c)
+            analyse_coefficients<T>(change.planes[c].view(), static_cast<int>(c), difference,
+                                    level);
         for (std::size_t k = 0; k < pyramid.bands.size(); ++k) {
             if (layout.bands[k].level <= level && layout.bands[k].channel != 0) continue;
             for (std::size_t c = 0; c < change.planes.size(); ++c)
@@ -97,14 +91,24 @@ LevelCoefficients<T> displacement(const PyramidLayout& layout, const std::vector
     return running;
 }
 
+namespace {
+
+/// How far a scaling coefficient `levels` above reaches, in samples.
+std::int64_t reach_of(const SchemeSpec& spec, int levels) {
+    const std::int64_t scale = std::int64_t{1} << levels;
+    if (spec.id != SchemeId::Cubic) return spec.order * scale - 1;  // M_ddd: |i|, |j| < d
+    if (spec.exact) return levels == 0 ? 0 : std::numeric_limits<std::int32_t>::max();
+    return (2 * cubic::kTaps - 1) * (scale - 1);  // each level: twice as far, and a step
+}
+
+}  // namespace
+
 LatticeBox touched_box(const PyramidLayout& layout, const std::vector<Move>& moves, int level) {
     std::int64_t top = INT64_MAX, left = INT64_MAX, bottom = INT64_MIN, right = INT64_MIN;
-    const int order = layout.spec.order;
     for (const Move& move : moves) {
         if (move.level < level) continue;
-        // M_ddd lives on |i|, |j| < d; scaled by 2^(move.level - level).
         const std::int64_t scale = std::int64_t{1} << (move.level - level);
-        const std::int64_t reach = order * scale - 1;
+        const std::int64_t reach = reach_of(layout.spec, move.level - level);
         top = std::min(top, move.row * scale - reach);
         bottom = std::max(bottom, move.row * scale + reach);
         left = std::min(left, move.col * scale - reach);

@@ -10,6 +10,7 @@
 #include "relief/core/parallel.h"
 #include "relief/multires/barycentric.h"
 #include "relief/multires/box.h"
+#include "relief/multires/cubic.h"
 #include "relief/spline/lattice_filters.h"
 
 namespace relief::multires {
@@ -22,8 +23,9 @@ struct Named {
     std::string_view name;
 };
 
-constexpr std::array<Named<SchemeId>, 2> kSchemes = {
-    {{SchemeId::Barycentric, "barycentric"}, {SchemeId::Box, "box"}}};
+constexpr std::array<Named<SchemeId>, 3> kSchemes = {{{SchemeId::Barycentric, "barycentric"},
+                                                     {SchemeId::Box, "box"},
+                                                     {SchemeId::Cubic, "cubic"}}};
 constexpr std::array<Named<Family>, 4> kFamilies = {
     {{Family::Compact, "compact"},
      {Family::SemiOrthogonal, "semi-orthogonal"},
@@ -55,15 +57,41 @@ Result<Id> find_in(const Table& table, std::string_view name, const char* what) 
 
 Result<PyramidLayout> scheme_layout(const SchemeSpec& spec, std::int64_t rows, std::int64_t cols,
                                     int components) {
-    return spec.id == SchemeId::Box ? box::layout(spec, rows, cols, components)
-                                    : barycentric::layout(spec, rows, cols, components);
+    switch (spec.id) {
+        case SchemeId::Box:
+            return box::layout(spec, rows, cols, components);
+        case SchemeId::Cubic:
+            return cubic::layout(spec, rows, cols, components);
+        case SchemeId::Barycentric:
+            break;
+    }
+    return barycentric::layout(spec, rows, cols, components);
 }
 
 template <class T>
 Grid<T> scheme_coefficients(const Pyramid<T>& pyramid, int component, int level) {
-    return pyramid.layout.spec.id == SchemeId::Box
-               ? box::coefficients(pyramid, component, level)
-               : barycentric::coefficients(pyramid, component, level);
+    switch (pyramid.layout.spec.id) {
+        case SchemeId::Box:
+            return box::coefficients(pyramid, component, level);
+        case SchemeId::Cubic:
+            return cubic::coefficients(pyramid, component, level);
+        case SchemeId::Barycentric:
+            break;
+    }
+    return barycentric::coefficients(pyramid, component, level);
+}
+
+template <class T>
+void scheme_adjoint(GridView<const T> residual, int component, Pyramid<T>& out) {
+    switch (out.layout.spec.id) {
+        case SchemeId::Box:
+            return box::adjoint<T>(residual, component, out);
+        case SchemeId::Cubic:
+            return cubic::adjoint<T>(residual, component, out);
+        case SchemeId::Barycentric:
+            break;
+    }
+    barycentric::adjoint<T>(residual, component, out);
 }
 
 template <class T>
@@ -72,10 +100,6 @@ void fill_zero(Pyramid<T>& pyramid) {
         for (Grid<T>& plane : band)
             for (std::int64_t r = 0; r < plane.rows(); ++r)
                 std::fill_n(plane.row(r), plane.cols(), T(0));
-}
-
-bool samples_are_coefficients(const SchemeSpec& spec) {
-    return spec.order == 1 || spec.data_map == DataMap::Coefficients;
 }
 
 // Lattice maps fail for wrong orders and sizes only; those of a layout are right.
@@ -175,6 +199,11 @@ void fill_norms(PyramidLayout& layout) {
 
 }  // namespace
 
+bool samples_are_coefficients(const SchemeSpec& spec) {
+    return spec.id == SchemeId::Cubic || spec.order == 1 ||
+           spec.data_map == DataMap::Coefficients;
+}
+
 std::string_view scheme_name(SchemeId id) {
     return name_in(kSchemes, id);
 }
@@ -208,8 +237,23 @@ Result<PyramidLayout> layout(const SchemeSpec& spec, std::int64_t rows, std::int
             "a surface has 1 to 4 components, not " + std::to_string(components) + "; choose bands",
             ""};
     RELIEF_TRY(PyramidLayout result, scheme_layout(spec, rows, cols, components));
-    fill_norms(result);
+    if (spec.id != SchemeId::Cubic) fill_norms(result);
     return result;
+}
+
+template <class T>
+void analyse_coefficients(GridView<const T> scaling, int component, Pyramid<T>& out,
+                          int first_level) {
+    Workspace<T> workspace;
+    switch (out.layout.spec.id) {
+        case SchemeId::Box:
+            return box::analyse<T>(scaling, component, out, workspace, first_level);
+        case SchemeId::Cubic:
+            return cubic::analyse<T>(scaling, component, out, workspace, first_level);
+        case SchemeId::Barycentric:
+            break;
+    }
+    barycentric::analyse<T>(scaling, component, out, workspace, first_level);
 }
 
 template <class T>
@@ -231,10 +275,7 @@ Result<Pyramid<T>> analyse(const std::vector<GridView<const T>>& planes, const S
                              : spline::quasi_interpolate<T>(spec.order, finest, mapped.view()));
             finest = std::as_const(mapped).view();
         }
-        if (spec.id == SchemeId::Box)
-            box::analyse<T>(finest, static_cast<int>(c), pyramid);
-        else
-            barycentric::analyse<T>(finest, static_cast<int>(c), pyramid);
+        analyse_coefficients(finest, static_cast<int>(c), pyramid);
     }
     return pyramid;
 }
@@ -318,16 +359,14 @@ Pyramid<T> adjoint(const PyramidLayout& layout, const std::vector<GridView<const
             (void)spline::sample_lattice_adjoint<T>(layout.spec.order, residual, mapped.view());
             residual = std::as_const(mapped).view();
         }
-        if (layout.spec.id == SchemeId::Box)
-            box::adjoint<T>(residual, static_cast<int>(c), pyramid);
-        else
-            barycentric::adjoint<T>(residual, static_cast<int>(c), pyramid);
+        scheme_adjoint(residual, static_cast<int>(c), pyramid);
     }
     return pyramid;
 }
 
 #define RELIEF_INSTANTIATE(T)                                                                      \
     template Result<Pyramid<T>> analyse(const std::vector<GridView<const T>>&, const SchemeSpec&); \
+    template void analyse_coefficients(GridView<const T>, int, Pyramid<T>&, int);                  \
     template LevelCoefficients<T> coefficients(const Pyramid<T>&, int);                            \
     template LevelCoefficients<T> subdivide(const PyramidLayout&, LevelCoefficients<T>, int, int); \
     template Planes<T> samples_of(const PyramidLayout&, const LevelCoefficients<T>&, int);         \

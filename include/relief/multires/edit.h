@@ -10,7 +10,9 @@
 namespace relief::multires {
 
 /// Adds delta to scaling coefficient (row, col) of `level`, in lattice indices of that level: the
-/// surface changes by delta * M(2^-level . - (row, col)). Components beyond the surface's are
+/// surface changes by delta * M(2^-level . - (row, col)), with M the box spline or, for scheme
+/// `cubic`, its cardinal spline: the surface moves by delta at that point, and at no other lattice
+/// point of the level. Components beyond the surface's are
 /// ignored.
 struct Move {
     int level = 0;

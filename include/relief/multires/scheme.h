@@ -10,13 +10,17 @@
 /// The one door to all raster schemes: what codec, editing and faces call.
 namespace relief::multires {
 
-/// "barycentric", "box". Errors: InvalidArgument listing the known names.
+/// "barycentric", "box", "cubic". Errors: InvalidArgument listing the known names.
 [[nodiscard]] Result<SchemeId> scheme_from_name(std::string_view name);
 [[nodiscard]] std::string_view scheme_name(SchemeId id);
 [[nodiscard]] std::string_view family_name(Family family);
 [[nodiscard]] Result<Family> family_from_name(std::string_view name);
 [[nodiscard]] std::string_view data_map_name(DataMap map);
 [[nodiscard]] Result<DataMap> data_map_from_name(std::string_view name);
+
+/// Whether the values of a surface at the lattice points are its coefficients: linear surfaces, the
+/// cardinal form of scheme `cubic`, and the data map that says so.
+[[nodiscard]] bool samples_are_coefficients(const SchemeSpec& spec);
 
 /// The bands of a rows x cols raster with 1 .. 4 components, with their norms.
 /// Errors: InvalidArgument for an order, family, dual order or level count the scheme does not
@@ -29,6 +33,12 @@ namespace relief::multires {
 template <class T>
 [[nodiscard]] Result<Pyramid<T>> analyse(const std::vector<GridView<const T>>& planes,
                                          const SchemeSpec& spec);
+
+/// Scaling coefficients of `first_level` (0: the finest) to the bands of `component` above that
+/// level, in `out` (allocated). Complexity: O(coefficients).
+template <class T>
+void analyse_coefficients(GridView<const T> scaling, int component, Pyramid<T>& out,
+                          int first_level = 0);
 
 /// The scaling coefficients of `level` (0: finest .. levels: the coarsest band itself), finer
 /// details unused.
