@@ -183,10 +183,9 @@ inline const std::vector<Bytes>& valid_rasters() {
 
 /// The same file with another header, chunks altered; all checksums hold.
 inline Bytes rebuilt(const ContainerReader& reader, const std::string& header,
-                                         const std::vector<Bytes>& chunks) {
+                     const std::vector<Bytes>& chunks) {
     ContainerWriter writer;
-    for (std::size_t k = 0; k < chunks.size(); ++k)
-        writer.add(chunks[k], reader.chunks()[k].bound);
+    for (std::size_t k = 0; k < chunks.size(); ++k) writer.add(chunks[k], reader.chunks()[k].bound);
     const auto file = writer.finish(header);
     return file.ok() ? *file : Bytes();
 }

@@ -85,9 +85,12 @@ double Stopwatch::seconds() const {
 }
 
 void SchemeOptions::add_to(CLI::App& app) {
-    app.add_option("--scheme", scheme, "box (default), barycentric, cubic");
-    app.add_option("--order", order,
-                   "1: linear C0, 2: quartic C2 (default); barycentric also 3: C4, 4: C6; cubic has 2");
+    app.add_option("--scheme", scheme,
+                   "fvs (best for --max-error and --lossless), cubic (best for the other goals), "
+                   "box, barycentric");
+    app.add_option(
+        "--order", order,
+        "1: linear C0, 2: quartic C2 (default); barycentric also 3: C4, 4: C6; cubic has 2");
     app.add_option("--levels", levels, "levels of detail; default: as many as the raster allows");
     app.add_option("--family", family,
                    "barycentric: compact (default), semi-orthogonal, truncated, truncated-literal");
@@ -99,9 +102,14 @@ void SchemeOptions::add_to(CLI::App& app) {
     app.add_flag("--exact", exact, "cubic: the whole spline by recursion, not its taps cut at six");
 }
 
-Result<multires::SchemeSpec> SchemeOptions::spec() const {
+Result<std::optional<multires::SchemeSpec>> SchemeOptions::spec() const {
+    const SchemeOptions defaults;
+    const bool untouched = order == defaults.order && levels == defaults.levels &&
+                           family == defaults.family && dual == defaults.dual &&
+                           map == defaults.map && exact == defaults.exact;
+    if (scheme.empty() && untouched) return std::optional<multires::SchemeSpec>();
     multires::SchemeSpec spec;
-    RELIEF_TRY(spec.id, multires::scheme_from_name(scheme));
+    RELIEF_TRY(spec.id, multires::scheme_from_name(scheme.empty() ? "box" : scheme));
     RELIEF_TRY(spec.family, multires::family_from_name(family));
     RELIEF_TRY(spec.data_map, multires::data_map_from_name(map));
     if (levels < -1) return Error{ErrorCode::InvalidArgument, "--levels must not be negative", ""};
@@ -109,7 +117,7 @@ Result<multires::SchemeSpec> SchemeOptions::spec() const {
     spec.levels = levels;
     spec.dual_order = dual;
     spec.exact = exact;
-    return spec;
+    return std::optional(spec);
 }
 
 Error located(Error error, const std::string& path) {
@@ -119,15 +127,35 @@ Error located(Error error, const std::string& path) {
 
 Result<codec::RasterFile> open_relief(const std::string& path,
                                       std::optional<std::uint64_t> max_bytes) {
-    RELIEF_TRY(std::vector<std::uint8_t> bytes,
-               io::read_file(path, max_bytes.value_or(UINT64_MAX)));
-    std::error_code error;
-    const std::uint64_t on_disk = std::filesystem::file_size(path, error);  // pipes have none
-    const std::uint64_t size = error ? bytes.size() : on_disk;
-    auto file = max_bytes ? codec::RasterFile::open_prefix(std::move(bytes), size)
-                          : codec::RasterFile::open(std::move(bytes));
+    RELIEF_TRY(Bytes bytes, io::read_file(path));
+    auto file = codec::RasterFile::open(std::make_shared<MemorySource>(std::move(bytes)),
+                                        max_bytes.value_or(UINT64_MAX));
     if (!file.ok()) return located(file.error(), path);
     return file;
+}
+
+namespace {
+
+/// A raster in memory that belongs to its source.
+class OwnedRaster final : public RasterSource {
+  public:
+    explicit OwnedRaster(Raster raster) : raster_(std::move(raster)), view_(raster_) {}
+    [[nodiscard]] const Raster& description() const override { return view_.description(); }
+    [[nodiscard]] int components() const override { return view_.components(); }
+    [[nodiscard]] Result<Raster> read(const LatticeBox& window) const override {
+        return view_.read(window);
+    }
+
+  private:
+    Raster raster_;
+    MemoryRaster view_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<RasterSource>> open_raster(const std::string& path, const Globals& globals) {
+    RELIEF_TRY(Raster raster, read_any_raster(path, globals));
+    return std::unique_ptr<RasterSource>(std::make_unique<OwnedRaster>(std::move(raster)));
 }
 
 Result<Raster> read_any_raster(const std::string& path, const Globals& globals) {

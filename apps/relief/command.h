@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 #include "relief/codec/raster_codec.h"
 #include "relief/core/raster.h"
 #include "relief/core/result.h"
+#include "relief/core/stream.h"
 
 /// What all verbs of the command line program share.
 namespace relief::cli {
@@ -80,7 +82,7 @@ class Stopwatch {
 
 /// Options that choose a scheme.
 struct SchemeOptions {
-    std::string scheme = "box";
+    std::string scheme;  ///< empty: what is best for the goal
     int order = 2;
     int levels = -1;
     std::string family = "compact";
@@ -89,7 +91,8 @@ struct SchemeOptions {
     bool exact = false;
 
     void add_to(CLI::App& app);
-    [[nodiscard]] Result<multires::SchemeSpec> spec() const;
+    /// None: no scheme was named. Options of schemes without a scheme are those of box.
+    [[nodiscard]] Result<std::optional<multires::SchemeSpec>> spec() const;
 };
 
 /// The same error, saying which file it is about.
@@ -98,6 +101,10 @@ struct SchemeOptions {
 /// Opens a .relief file or its first `max_bytes` bytes.
 [[nodiscard]] Result<codec::RasterFile> open_relief(const std::string& path,
                                                     std::optional<std::uint64_t> max_bytes = {});
+
+/// A raster of any kind, read in windows: .relief files are decoded. Errors: as read_any_raster.
+[[nodiscard]] Result<std::unique_ptr<RasterSource>> open_raster(const std::string& path,
+                                                                const Globals& globals);
 
 /// Reads a raster of any kind: .relief files are decoded. Meshes and points are refused with the
 /// reason.

@@ -43,6 +43,7 @@ std::optional<multires::SchemeSpec> scheme_in(const Raster& raster) {
         !number(item("RELIEF_LEVELS"), spec.levels))
         return {};
     spec.id = *id;
+    if (spec.id == multires::SchemeId::Fvs) return spec;
     if (!multires::layout(spec, raster.rows, raster.cols, 1).ok()) return {};
     return spec;
 }
@@ -54,7 +55,7 @@ Result<multires::SchemeSpec> energy_scheme(const Compare& options, const Raster&
     spec.levels = 3;
     if (io::recognise(options.b) == io::FileKind::Relief) {
         RELIEF_TRY(const codec::RasterFile file, open_relief(options.b));
-        spec = file.layout().spec;
+        spec = file.spec();
     } else if (const auto origin = scheme_in(b)) {
         spec = *origin;
     }

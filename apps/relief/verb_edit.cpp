@@ -137,15 +137,18 @@ Result<std::vector<multires::Move>> moves_of(const Edit& options,
 }
 
 Result<Outcome> run(const Edit& options) {
-    RELIEF_TRY(const auto bytes, io::read_file(options.in));
-    const auto opened = codec::RasterFile::open(bytes);
+    RELIEF_TRY(Bytes bytes, io::read_file(options.in));
+    const auto source = std::make_shared<MemorySource>(std::move(bytes));
+    const auto opened = codec::RasterFile::open(source);
     if (!opened.ok()) return located(opened.error(), options.in);
     const codec::RasterFile& file = *opened;
     const auto& layout = file.layout();
     RELIEF_TRY(const auto moves, moves_of(options, layout));
-    auto edited = codec::add_moves(bytes, moves);
-    if (!edited.ok()) return located(edited.error(), options.in);
-    RELIEF_CHECK(io::write_file_atomically(options.out, *edited));
+    MemorySink edited;
+    if (const Status status = codec::add_moves(source, moves, edited); !status.ok())
+        return located(status.error(), options.in);
+    const Bytes out = edited.take();
+    RELIEF_CHECK(io::write_file_atomically(options.out, out));
 
     const auto field =
         multires::samples_of(layout, multires::displacement<double>(layout, moves, 0), 0);
@@ -162,7 +165,7 @@ Result<Outcome> run(const Edit& options) {
         {"bounds",
          Json{{"col", box.col0}, {"row", box.row0}, {"width", box.cols}, {"height", box.rows}}},
         {"edits", file.moves().size() + moves.size()},
-        {"bytes", edited->size()}};
+        {"bytes", out.size()}};
     outcome.text = fmt::format(
         "{}: {} control coefficients moved, {} samples touched in columns {} to {}, rows {} to "
         "{}\n",

@@ -28,22 +28,31 @@ Result<codec::Goal> goal_of(const Encode& options) {
 
 std::string text_of(const Encode& options, const codec::EncodeReport& report,
                     const Raster& raster) {
+    const std::string scheme =
+        report.closed_loop
+            ? fmt::format("fvs, closed loop, profile {}", options.profile)
+            : fmt::format("{} order {}", multires::scheme_name(report.spec.id), report.spec.order);
+    const std::string lattice =
+        report.lattice > 0 && !is_integer(raster.type)
+            ? fmt::format("samples are multiples of {}\n", shown(report.lattice))
+            : "";
     const std::string unit = raster.unit.empty() ? "" : " " + raster.unit;
     std::string text = fmt::format(
         "{}: {} x {} samples -> {} bytes, {:.4g} bits a sample\n"
-        "scheme {} order {}, {} levels, {} of {} coefficients kept\n"
+        "scheme {}{}, {} levels, {} of {} coefficients kept\n{}"
         "max error {}{}, rms error {}{}, error energy {:.4g} %\n",
         options.out, raster.cols, raster.rows, grouped(static_cast<std::int64_t>(report.bytes)),
-        report.bits_per_sample, multires::scheme_name(report.spec.id), report.spec.order,
-        report.spec.levels, grouped(report.kept), grouped(report.coefficients),
-        shown(report.max_error), unit, shown(report.rms_error), unit, report.energy_percent);
+        report.bits_per_sample, scheme,
+        options.scheme.scheme.empty() ? " (best for this goal)" : "", report.spec.levels,
+        grouped(report.kept), grouped(report.coefficients), lattice, shown(report.max_error), unit,
+        shown(report.rms_error), unit, report.energy_percent);
     if (options.max_error)
         text +=
             fmt::format("bound {}{} verified at every valid sample\n", shown(report.bound), unit);
     return text;
 }
 
-Json json_of(const codec::EncodeReport& report, double seconds) {
+Json json_of(const codec::EncodeReport& report, const std::string& profile, double seconds) {
     return Json{{"scheme", multires::scheme_name(report.spec.id)},
                 {"order", report.spec.order},
                 {"levels", report.spec.levels},
@@ -57,6 +66,9 @@ Json json_of(const codec::EncodeReport& report, double seconds) {
                 {"energy_percent", report.energy_percent},
                 {"bound", report.bound},
                 {"corrected", report.corrected},
+                {"closed_loop", report.closed_loop},
+                {"profile", report.closed_loop ? Json(profile) : Json(nullptr)},
+                {"lattice", report.lattice > 0 ? Json(report.lattice) : Json(nullptr)},
                 {"seconds", seconds}};
 }
 
@@ -67,13 +79,16 @@ Result<Outcome> run(const Encode& options, const Globals& globals) {
     RELIEF_TRY(encode.goal, goal_of(options));
     encode.effort = static_cast<codec::Effort>(options.effort);
     encode.progress = progress_bar(globals, "encoding");
-    RELIEF_TRY(const Raster raster, read_any_raster(options.in, globals));
-    const auto encoded = codec::encode_raster(raster, encode);
-    if (!encoded.ok()) return located(encoded.error(), options.in);
-    RELIEF_CHECK(io::write_file_atomically(options.out, encoded->bytes));
+    encode.profile = options.profile == "fast" ? codec::Profile::Fast : codec::Profile::Dense;
+    RELIEF_TRY(const auto source, open_raster(options.in, globals));
+    MemorySink sink;
+    MemorySpool spool;
+    const auto report = codec::encode_raster(*source, encode, sink, spool);
+    if (!report.ok()) return located(report.error(), options.in);
+    RELIEF_CHECK(io::write_file_atomically(options.out, sink.take()));
     Outcome outcome;
-    outcome.json = json_of(encoded->report, watch.seconds());
-    outcome.text = text_of(options, encoded->report, raster);
+    outcome.json = json_of(*report, options.profile, watch.seconds());
+    outcome.text = text_of(options, *report, source->description());
     return outcome;
 }
 
@@ -105,8 +120,9 @@ void add_encode(Program& program) {
     verb->add_option("--effort", options->effort,
                      "0: weighted selection, 1: and least squares (default), 2: and reselection")
         ->check(CLI::Range(0, 2));
-    verb->add_option("--profile", options->profile,
-                     "dense (default); fast is accepted and coded as dense for now")
+    verb->add_option(
+            "--profile", options->profile,
+            "of scheme fvs: dense (default), or fast: several times the speed, about 8 % larger")
         ->check(CLI::IsMember({"fast", "dense"}));
 }
 

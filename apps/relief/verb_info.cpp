@@ -49,25 +49,28 @@ Result<Outcome> info_of_relief(const std::string& path) {
         chunks.push_back(Json{{"kind", chunk.kind},
                               {"level", chunk.level},
                               {"bytes", chunk.bytes},
-                              {"max_error", json_number(chunk.max_error)},
-                              {"rms_error", json_number(chunk.rms_error)}});
+                              {"count", chunk.count},
+                              {"max_error", json_number(chunk.max_error)}});
     Json levels = Json::array();
     for (int level = 0; level <= layout.levels(); ++level) {
         const LatticeBox box = multires::scaling_box(layout, level);
         const auto bound = file.bound(level);
+        const auto surface = file.surface_bound(level);
         levels.push_back(Json{{"level", level},
                               {"control_rows", box.rows},
                               {"control_cols", box.cols},
                               {"control_origin", Json::array({box.row0, box.col0})},
                               {"bytes", file.bytes_for(level)},
-                              {"bound", bound ? json_number(*bound) : Json(nullptr)}});
+                              {"bound", bound ? json_number(*bound) : Json(nullptr)},
+                              {"surface_bound", surface ? json_number(*surface) : Json(nullptr)}});
     }
     const auto bound = file.bound(0);
     outcome.json = Json{{"format", "relief"},
                         {"version", file.version()},
-                        {"scheme", multires::scheme_name(layout.spec.id)},
-                        {"order", layout.spec.order},
+                        {"scheme", multires::scheme_name(file.spec().id)},
+                        {"order", file.spec().order},
                         {"levels", layout.levels()},
+                        {"profile", file.closed_loop() ? Json(file.profile()) : Json(nullptr)},
                         {"rows", layout.rows},
                         {"cols", layout.cols},
                         {"components", layout.components},
@@ -93,8 +96,8 @@ Result<Outcome> info_of_relief(const std::string& path) {
                     layout.components, layout.components == 1 ? "" : "s",
                     sample_type_name(about.type), about.unit.empty() ? "" : " in " + about.unit);
     outcome.text +=
-        fmt::format("scheme {} order {}, {} levels", multires::scheme_name(layout.spec.id),
-                    layout.spec.order, layout.levels());
+        fmt::format("scheme {} order {}, {} levels", multires::scheme_name(file.spec().id),
+                    file.spec().order, layout.levels());
     outcome.text += bound ? fmt::format(", within {} of the original (rms {})\n", shown(*bound),
                                         shown(file.rms_error()))
                           : fmt::format(", edited by {} move{}\n", file.moves().size(),
@@ -105,7 +108,7 @@ Result<Outcome> info_of_relief(const std::string& path) {
             "{:5}   {:>5} x {:<7} {:>14}   {}\n", level["level"].get<int>(),
             level["control_cols"].get<std::int64_t>(), level["control_rows"].get<std::int64_t>(),
             grouped(level["bytes"].get<std::int64_t>()),
-            level["bound"].is_null() ? "-" : shown(level["bound"].get<double>()));
+            level["surface_bound"].is_null() ? "-" : shown(level["surface_bound"].get<double>()));
     return outcome;
 }
 

@@ -269,72 +269,12 @@ class Encoder {
             else
                 failed[static_cast<std::size_t>(k)] = tile.error();
         });
-        add_coarse_energy(strip, strip_box.row0);
+        result_.coarse_energy += coarse_energy(strip, strip_box.row0, survey_, about_);
         for (std::int64_t k = 0; k < count; ++k) {
             RELIEF_CHECK(failed[static_cast<std::size_t>(k)]);
             RELIEF_CHECK(take(first + k, tiles[static_cast<std::size_t>(k)]));
         }
         return {};
-    }
-
-    /// What the coarsest lattice says of a place between its samples, along one axis.
-    struct Between {
-        std::int64_t first, second;  ///< raster samples
-        double part;
-    };
-    [[nodiscard]] Between between(std::int64_t x, std::int64_t n) const {
-        const std::int64_t step = std::int64_t{1} << tree_.levels();
-        const std::int64_t first = x / step * step;
-        const std::int64_t second = first + step < n ? first + step : first;
-        return {first, second, static_cast<double>(x - first) / static_cast<double>(step)};
-    }
-
-    void add_coarse_energy(const Raster& strip, std::int64_t row0) {
-        std::vector<double> rows(static_cast<std::size_t>(strip.rows), 0.0);
-        parallel_for(0, strip.rows, 16, [&](std::int64_t first, std::int64_t last) {
-            for (std::int64_t r = first; r < last; ++r)
-                rows[static_cast<std::size_t>(r)] = row_energy(strip, r, row0 + r);
-        });
-        for (const double row : rows) result_.coarse_energy += row;
-    }
-
-    [[nodiscard]] double row_energy(const Raster& strip, std::int64_t r, std::int64_t row) const {
-        double energy = 0;
-        const Between down = between(row, about_.rows);
-        for (std::size_t p = 0; p < strip.planes.size(); ++p) {
-            const auto line = [&](std::int64_t col) {
-                const double a = base_sample(strip, p, down.first, col);
-                return a + down.part * (base_sample(strip, p, down.second, col) - a);
-            };
-            Between across{-1, -1, 0};
-            double left = 0;
-            double right = 0;
-            for (std::int64_t c = 0; c < strip.cols; ++c) {
-                if (!strip.mask.empty() && !strip.mask(r, c)) continue;
-                const Between here = between(c, about_.cols);
-                if (here.first != across.first) {
-                    left = line(here.first);
-                    right = line(here.second);
-                }
-                across = here;
-                const double difference =
-                    strip.planes[p](r, c) - (left + across.part * (right - left));
-                energy += difference * difference;
-            }
-        }
-        return energy;
-    }
-
-    /// A sample of the coarsest lattice; holes have the middle value. A raster whose coarsest level
-    /// is finer than the survey's is one strip.
-    [[nodiscard]] double base_sample(const Raster& strip, std::size_t p, std::int64_t row,
-                                     std::int64_t col) const {
-        const bool surveyed = tree_.levels() >= TileTree::kTierLevels;
-        const Raster& from = surveyed ? survey_.coarse : strip;
-        const int shift = surveyed ? TileTree::kTierLevels : 0;
-        if (from.valid(row >> shift, col >> shift))
-            return from.planes[p](row >> shift, col >> shift);
-        return (survey_.components[p].lowest + survey_.components[p].highest) / 2;
     }
 
     /// Spools a finest tile and adds up what is said of it.

@@ -47,6 +47,11 @@ struct Survey {
 /// place, and when no sample is valid; those of the source; Cancelled.
 [[nodiscard]] Result<Survey> survey(const RasterSource& source, const Progress& progress);
 
+/// Sum of squares of the valid samples of a strip, rows row0 .. of a raster like `about`, less the
+/// bilinear surface through the raster's coarsest lattice.
+[[nodiscard]] double coarse_energy(const Raster& strip, std::int64_t row0, const Survey& survey,
+                                   const Raster& about);
+
 /// Whether the samples fit the closed loop's integers at this bound; sets the domains. Reads the
 /// raster again for float samples that seem to lie on a lattice. Errors: of the source.
 [[nodiscard]] Result<bool> choose_domains(const RasterSource& source, const Survey& survey,

@@ -108,7 +108,87 @@ Result<double> find_unit(const RasterSource& source, const Survey& seen, std::si
     return 0.0;
 }
 
+/// The bilinear surface through the coarsest lattice.
+class CoarsestSurface {
+  public:
+    CoarsestSurface(const Raster& strip, const Survey& seen, const Raster& about)
+        : strip_(strip),
+          survey_(seen),
+          about_(about),
+          levels_(TileTree(about.rows, about.cols).levels()) {}
+
+    /// Squared distance of row `row` of the raster, which is row r of the strip.
+    [[nodiscard]] double energy(std::int64_t r, std::int64_t row) const {
+        double sum = 0;
+        const Between down = between(row, about_.rows);
+        for (std::size_t p = 0; p < strip_.planes.size(); ++p) {
+            const auto line = [&](std::int64_t col) {
+                const double a = sample(p, down.first, col);
+                return a + down.part * (sample(p, down.second, col) - a);
+            };
+            std::int64_t cell = -1;
+            double left = 0;
+            double right = 0;
+            for (std::int64_t c = 0; c < strip_.cols; ++c) {
+                if (!strip_.valid(r, c)) continue;
+                const Between across = between(c, about_.cols);
+                if (across.first != cell) {
+                    left = line(across.first);
+                    right = line(across.second);
+                    cell = across.first;
+                }
+                const double difference =
+                    strip_.planes[p](r, c) - (left + across.part * (right - left));
+                sum += difference * difference;
+            }
+        }
+        return sum;
+    }
+
+  private:
+    /// A place between samples of the lattice, along one axis.
+    struct Between {
+        std::int64_t first, second;  ///< samples of the raster
+        double part;
+    };
+    [[nodiscard]] Between between(std::int64_t x, std::int64_t n) const {
+        const std::int64_t step = std::int64_t{1} << levels_;
+        const std::int64_t first = x / step * step;
+        const std::int64_t second = first + step < n ? first + step : first;
+        return {first, second, static_cast<double>(x - first) / static_cast<double>(step)};
+    }
+
+    /// Holes have the middle value. A raster whose coarsest lattice is finer than the survey's is
+    /// one strip.
+    [[nodiscard]] double sample(std::size_t p, std::int64_t row, std::int64_t col) const {
+        const bool surveyed = levels_ >= TileTree::kTierLevels;
+        const Raster& from = surveyed ? survey_.coarse : strip_;
+        const int shift = surveyed ? TileTree::kTierLevels : 0;
+        if (from.valid(row >> shift, col >> shift))
+            return from.planes[p](row >> shift, col >> shift);
+        return (survey_.components[p].lowest + survey_.components[p].highest) / 2;
+    }
+
+    const Raster& strip_;
+    const Survey& survey_;
+    const Raster& about_;
+    int levels_;
+};
+
 }  // namespace
+
+double coarse_energy(const Raster& strip, std::int64_t row0, const Survey& seen,
+                     const Raster& about) {
+    const CoarsestSurface surface(strip, seen, about);
+    std::vector<double> rows(static_cast<std::size_t>(strip.rows), 0.0);
+    parallel_for(0, strip.rows, 16, [&](std::int64_t first, std::int64_t last) {
+        for (std::int64_t r = first; r < last; ++r)
+            rows[static_cast<std::size_t>(r)] = surface.energy(r, row0 + r);
+    });
+    double sum = 0;
+    for (const double row : rows) sum += row;
+    return sum;
+}
 
 Result<Survey> survey(const RasterSource& source, const Progress& progress) {
     const Raster& about = source.description();

@@ -118,8 +118,7 @@ class PyramidBody final : public RasterBody {
         }
         RELIEF_TRY(Planes<double> net, corrected_samples(0));
         const multires::SchemeSpec& spec = layout_.spec;
-        const bool interpolates =
-            spec.order > 1 && spec.data_map != multires::DataMap::Coefficients;
+        const bool interpolates = !multires::samples_are_coefficients(spec);
         for (Grid<double>& plane : net) {
             if (!interpolates) break;
             Grid<double> solved(plane.rows(), plane.cols());

@@ -502,7 +502,7 @@ class Encoder {
     bool cancelled(double done) { return options_.progress && !options_.progress(done); }
     static Error cancelled_error() { return Error{ErrorCode::Cancelled, "cancelled", ""}; }
 
-    friend Result<double> relief::codec::detail_energy(const Raster&, const multires::SchemeSpec&);
+    friend Result<double> relief::codec::pyramid_energy(const Raster&, const multires::SchemeSpec&);
 
     const Raster& raster_;
     const multires::SchemeSpec& spec_;
@@ -521,7 +521,7 @@ Result<EncodedRaster> encode_pyramid(const Raster& raster, const multires::Schem
     return Encoder(raster, spec, options).run();
 }
 
-Result<double> detail_energy(const Raster& raster, const multires::SchemeSpec& spec) {
+Result<double> pyramid_energy(const Raster& raster, const multires::SchemeSpec& spec) {
     const EncodeOptions options;
     Encoder encoder(raster, spec, options);
     RELIEF_CHECK(encoder.check());

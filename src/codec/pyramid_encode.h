@@ -10,4 +10,7 @@ namespace relief::codec {
                                                    const multires::SchemeSpec& spec,
                                                    const EncodeOptions& options);
 
+/// detail_energy for a scheme of the open loop.
+[[nodiscard]] Result<double> pyramid_energy(const Raster& raster, const multires::SchemeSpec& spec);
+
 }  // namespace relief::codec

@@ -160,4 +160,11 @@ Result<EncodedRaster> encode_raster(const Raster& raster, const EncodeOptions& o
     return encoded;
 }
 
+Result<double> detail_energy(const Raster& raster, const SchemeSpec& spec) {
+    if (spec.id != SchemeId::Fvs) return pyramid_energy(raster, spec);
+    const MemoryRaster source(raster);
+    RELIEF_TRY(const Survey seen, survey(source, {}));
+    return coarse_energy(raster, 0, seen, source.description());
+}
+
 }  // namespace relief::codec

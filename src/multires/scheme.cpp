@@ -23,9 +23,10 @@ struct Named {
     std::string_view name;
 };
 
-constexpr std::array<Named<SchemeId>, 3> kSchemes = {{{SchemeId::Barycentric, "barycentric"},
-                                                     {SchemeId::Box, "box"},
-                                                     {SchemeId::Cubic, "cubic"}}};
+constexpr std::array<Named<SchemeId>, 4> kSchemes = {{{SchemeId::Barycentric, "barycentric"},
+                                                      {SchemeId::Box, "box"},
+                                                      {SchemeId::Cubic, "cubic"},
+                                                      {SchemeId::Fvs, "fvs"}}};
 constexpr std::array<Named<Family>, 4> kFamilies = {
     {{Family::Compact, "compact"},
      {Family::SemiOrthogonal, "semi-orthogonal"},
@@ -62,6 +63,9 @@ Result<PyramidLayout> scheme_layout(const SchemeSpec& spec, std::int64_t rows, s
             return box::layout(spec, rows, cols, components);
         case SchemeId::Cubic:
             return cubic::layout(spec, rows, cols, components);
+        case SchemeId::Fvs:
+            return Error{ErrorCode::InvalidArgument,
+                         "scheme fvs takes a bound: --max-error E or --lossless", ""};
         case SchemeId::Barycentric:
             break;
     }
@@ -76,6 +80,7 @@ Grid<T> scheme_coefficients(const Pyramid<T>& pyramid, int component, int level)
         case SchemeId::Cubic:
             return cubic::coefficients(pyramid, component, level);
         case SchemeId::Barycentric:
+        case SchemeId::Fvs:
             break;
     }
     return barycentric::coefficients(pyramid, component, level);
@@ -89,6 +94,7 @@ void scheme_adjoint(GridView<const T> residual, int component, Pyramid<T>& out) 
         case SchemeId::Cubic:
             return cubic::adjoint<T>(residual, component, out);
         case SchemeId::Barycentric:
+        case SchemeId::Fvs:
             break;
     }
     barycentric::adjoint<T>(residual, component, out);
@@ -200,8 +206,7 @@ void fill_norms(PyramidLayout& layout) {
 }  // namespace
 
 bool samples_are_coefficients(const SchemeSpec& spec) {
-    return spec.id == SchemeId::Cubic || spec.order == 1 ||
-           spec.data_map == DataMap::Coefficients;
+    return spec.id == SchemeId::Cubic || spec.order == 1 || spec.data_map == DataMap::Coefficients;
 }
 
 std::string_view scheme_name(SchemeId id) {
@@ -251,6 +256,7 @@ void analyse_coefficients(GridView<const T> scaling, int component, Pyramid<T>& 
         case SchemeId::Cubic:
             return cubic::analyse<T>(scaling, component, out, workspace, first_level);
         case SchemeId::Barycentric:
+        case SchemeId::Fvs:
             break;
     }
     barycentric::analyse<T>(scaling, component, out, workspace, first_level);

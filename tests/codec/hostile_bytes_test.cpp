@@ -67,7 +67,8 @@ TEST(HostileBytes, Masks) {
 TEST(HostileBytes, Containers) {
     ContainerWriter writer;
     for (int k = 0; k < 3; ++k) writer.add(Bytes(20, static_cast<std::uint8_t>(k)));
-    run_mutations(*writer.finish(R"({"scheme":"box"})"), [](const Bytes& bytes) { fuzz::container(bytes); });
+    run_mutations(*writer.finish(R"({"scheme":"box"})"),
+                  [](const Bytes& bytes) { fuzz::container(bytes); });
 }
 
 TEST(HostileBytes, RasterFiles) {

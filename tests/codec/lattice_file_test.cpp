@@ -80,8 +80,8 @@ Opened opened(const Coded& coded, const Raster& raster,
     Opened result;
     result.container =
         std::make_unique<ContainerReader>(*ContainerReader::open(coded.bytes, visible));
-    auto file = LatticeFile::open(*result.container, 0, coded.encoding.coding, raster.rows,
-                                  raster.cols);
+    auto file =
+        LatticeFile::open(*result.container, 0, coded.encoding.coding, raster.rows, raster.cols);
     EXPECT_TRUE(file.ok());
     result.file = *std::move(file);
     return result;

@@ -46,9 +46,9 @@ TEST(TileTree, NeighboursOnTheCurveAreNeighbours) {
     std::sort(sorted.begin(), sorted.end());
     for (std::int64_t k = 0; k < 64; ++k) EXPECT_EQ(sorted[static_cast<std::size_t>(k)], k);
     for (std::size_t k = 1; k < order.size(); ++k)
-        EXPECT_EQ(std::abs(order[k] / 8 - order[k - 1] / 8) +
-                      std::abs(order[k] % 8 - order[k - 1] % 8),
-                  1)
+        EXPECT_EQ(
+            std::abs(order[k] / 8 - order[k - 1] / 8) + std::abs(order[k] % 8 - order[k - 1] % 8),
+            1)
             << k;
 }
 

@@ -161,9 +161,9 @@ class RasterFile {
     /// Control coefficients of `level`, moves included; corrections are not part of them.
     [[nodiscard]] Result<multires::LevelCoefficients<double>> coefficients(int level) const;
 
-    /// Control coefficients (relief/multires/surface.h) of a surface that passes through decode(0) before its rounding to the
-    /// sample type (for the quasi-interpolating and coefficient data maps: the surface that the
-    /// file describes).
+    /// Control coefficients (relief/multires/surface.h) of a surface that passes through decode(0)
+    /// before its rounding to the sample type (for the quasi-interpolating and coefficient data
+    /// maps: the surface that the file describes).
     [[nodiscard]] Result<multires::Planes<double>> control_net() const;
 
     /// A window of the raster of `level`: size, transform, mask, and values in the sample type.
@@ -195,7 +195,8 @@ Status add_moves(const std::shared_ptr<const ByteSource>& source,
 [[nodiscard]] Result<Bytes> add_moves(Bytes file, const std::vector<multires::Move>& moves);
 
 /// Sum of squares of (surface minus its reconstruction from the coarsest scaling coefficients) over
-/// valid samples: the denominator of energy_percent.
+/// valid samples: the denominator of energy_percent. The closed loop (scheme fvs) takes the
+/// bilinear surface through the coarsest lattice.
 [[nodiscard]] Result<double> detail_energy(const Raster& raster, const multires::SchemeSpec& spec);
 
 }  // namespace relief::codec

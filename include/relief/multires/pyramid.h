@@ -14,7 +14,7 @@ enum class SchemeId : std::uint8_t {
     Barycentric,  ///< box spline M_ddd, 7 wavelet kinds a level (a frame); docs/barycentric.md
     Box,          ///< the same splines, 3 wavelets a level by lifting (a basis); docs/box.md
     Cubic,        ///< bicubic C2 splines on the square lattice, by lifting (a basis); docs/cubic.md
-    Fvs,  ///< C1 cubic splines on quadrilaterals cut by both diagonals; docs/fvs.md
+    Fvs,          ///< C1 cubic splines on quadrilaterals cut by both diagonals; docs/fvs.md
 };
 
 /// The pair of dual sequences of scheme `barycentric`.
