@@ -86,8 +86,9 @@ double Stopwatch::seconds() const {
 
 void SchemeOptions::add_to(CLI::App& app) {
     app.add_option("--scheme", scheme, "box (default), barycentric, cubic");
-    app.add_option("--order", order,
-                   "1: linear C0, 2: quartic C2 (default); barycentric also 3: C4, 4: C6; cubic has 2");
+    app.add_option(
+        "--order", order,
+        "1: linear C0, 2: quartic C2 (default); barycentric also 3: C4, 4: C6; cubic has 2");
     app.add_option("--levels", levels, "levels of detail; default: as many as the raster allows");
     app.add_option("--family", family,
                    "barycentric: compact (default), semi-orthogonal, truncated, truncated-literal");

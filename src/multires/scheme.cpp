@@ -23,9 +23,8 @@ struct Named {
     std::string_view name;
 };
 
-constexpr std::array<Named<SchemeId>, 3> kSchemes = {{{SchemeId::Barycentric, "barycentric"},
-                                                     {SchemeId::Box, "box"},
-                                                     {SchemeId::Cubic, "cubic"}}};
+constexpr std::array<Named<SchemeId>, 3> kSchemes = {
+    {{SchemeId::Barycentric, "barycentric"}, {SchemeId::Box, "box"}, {SchemeId::Cubic, "cubic"}}};
 constexpr std::array<Named<Family>, 4> kFamilies = {
     {{Family::Compact, "compact"},
      {Family::SemiOrthogonal, "semi-orthogonal"},
@@ -200,8 +199,7 @@ void fill_norms(PyramidLayout& layout) {
 }  // namespace
 
 bool samples_are_coefficients(const SchemeSpec& spec) {
-    return spec.id == SchemeId::Cubic || spec.order == 1 ||
-           spec.data_map == DataMap::Coefficients;
+    return spec.id == SchemeId::Cubic || spec.order == 1 || spec.data_map == DataMap::Coefficients;
 }
 
 std::string_view scheme_name(SchemeId id) {
