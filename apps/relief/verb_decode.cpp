@@ -4,7 +4,7 @@
 
 #include "command.h"
 #include "relief/io/raster.h"
-#include "relief/spline/box_surface.h"
+#include "relief/multires/surface.h"
 
 namespace relief::cli {
 
@@ -77,7 +77,7 @@ Result<Raster> rescaled(const codec::RasterFile& file, double scale) {
     const double unit = std::ldexp(1.0, -level);
     for (const Grid<double>& plane : net.planes) {
         RELIEF_TRY(const auto surface,
-                   spline::BoxSurface<double>::create(plane.view(), layout.spec.order));
+                   multires::Surface<double>::create(layout.spec, plane.view()));
         Grid<double> samples(result.rows, result.cols);
         surface.evaluate_grid(first * unit - static_cast<double>(net.box.row0), step * unit,
                               first * unit - static_cast<double>(net.box.col0), step * unit,

@@ -8,7 +8,7 @@
 
 #include "command.h"
 #include "relief/io/file.h"
-#include "relief/spline/box_surface.h"
+#include "relief/multires/surface.h"
 
 namespace relief::cli {
 
@@ -178,9 +178,9 @@ LatticePoints locate(const std::vector<Point>& points, const PlaceMap& map,
 }
 
 /// All derivatives of one component at all points, in data units.
-Result<std::vector<Jet>> jets_of(const Grid<double>& net, int order, int derivatives,
-                                 const LatticePoints& at, const PlaceMap& map) {
-    RELIEF_TRY(const auto surface, spline::BoxSurface<double>::create(net.view(), order));
+Result<std::vector<Jet>> jets_of(const Grid<double>& net, const multires::SchemeSpec& spec,
+                                 int derivatives, const LatticePoints& at, const PlaceMap& map) {
+    RELIEF_TRY(const auto surface, multires::Surface<double>::create(spec, net.view()));
     const std::size_t n = at.i.size();
     std::array<std::vector<double>, 6> parts;
     for (auto& part : parts) part.resize(n);
@@ -198,7 +198,7 @@ Result<std::vector<std::vector<Jet>>> evaluate(const codec::RasterFile& file, in
     RELIEF_TRY(const auto net, file.control_net());
     std::vector<std::vector<Jet>> components;
     for (const Grid<double>& plane : net) {
-        RELIEF_TRY(auto jets, jets_of(plane, file.layout().spec.order, derivatives, at, map));
+        RELIEF_TRY(auto jets, jets_of(plane, file.layout().spec, derivatives, at, map));
         components.push_back(std::move(jets));
     }
     return components;

@@ -29,15 +29,15 @@ class LatticeBody final : public RasterBody {
         return samples;
     }
 
-    Result<LevelCoefficients<double>> coefficients(int level) const override {
-        const LatticeBox box{0, 0, level_size(layout_.rows, level),
-                             level_size(layout_.cols, level)};
-        RELIEF_TRY(BodySamples all, filled(level, box));
-        return LevelCoefficients<double>{box, std::move(all.planes)};
+    /// What the file has at holes is an interpolation.
+    Result<LevelCoefficients<double>> coefficients(int level,
+                                                   const LatticeBox& part) const override {
+        RELIEF_TRY(LatticeWindow window, file_->read(level, part, true));
+        return LevelCoefficients<double>{part, std::move(window.planes)};
     }
 
     Result<Planes<double>> control_net() const override {
-        RELIEF_TRY(auto finest, coefficients(0));
+        RELIEF_TRY(auto finest, coefficients(0, {0, 0, layout_.rows, layout_.cols}));
         return std::move(finest.planes);
     }
 
@@ -111,12 +111,6 @@ class LatticeBody final : public RasterBody {
     /// What the file promises of all samples that it codes.
     [[nodiscard]] double exact_bound() const {
         return header_.goal.kind == Goal::Kind::MaxError ? header_.goal.value : header_.max_error;
-    }
-
-    /// Samples without holes: what the file has at holes is an interpolation.
-    Result<BodySamples> filled(int level, const LatticeBox& box) const {
-        RELIEF_TRY(LatticeWindow part, file_->read(level, box, true));
-        return BodySamples{std::move(part.planes), true, {}, 0, {}};
     }
 
     const ContainerReader& container_;

@@ -88,7 +88,11 @@ class PyramidBody final : public RasterBody {
         return samples;
     }
 
-    Result<LevelCoefficients<double>> coefficients(int level) const override {
+    Result<LevelCoefficients<double>> coefficients(int level, const LatticeBox&) const override {
+        return coefficients(level);
+    }
+
+    [[nodiscard]] Result<LevelCoefficients<double>> coefficients(int level) const {
         RELIEF_TRY(Quantised quantised, read_bands(level));
         // Bands that were not read stay empty until zeros are needed for them.
         Pyramid<double> pyramid;

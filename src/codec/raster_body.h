@@ -33,8 +33,9 @@ class RasterBody {
     /// Requires: a level of the file, a window inside its raster.
     [[nodiscard]] virtual Result<BodySamples> samples(int level,
                                                       const LatticeBox& window) const = 0;
+    /// Those in `part`, and perhaps others.
     [[nodiscard]] virtual Result<multires::LevelCoefficients<double>> coefficients(
-        int level) const = 0;
+        int level, const LatticeBox& part) const = 0;
     /// Control coefficients of a surface through all samples, corrections included.
     [[nodiscard]] virtual Result<multires::Planes<double>> control_net() const = 0;
 

@@ -38,10 +38,14 @@ Status check_size(const Raster& description, int components, std::uint64_t file_
                  "header"};
 }
 
-void add(Planes<double>& to, const Planes<double>& from) {
-    for (std::size_t p = 0; p < to.size(); ++p)
-        for (std::int64_t r = 0; r < to[p].rows(); ++r)
-            for (std::int64_t c = 0; c < to[p].cols(); ++c) to[p](r, c) += from[p](r, c);
+/// Adds coefficients of the same level on a box that covers that of `to`.
+void add(LevelCoefficients<double>& to, const LevelCoefficients<double>& from) {
+    const std::int64_t row = to.box.row0 - from.box.row0;
+    const std::int64_t col = to.box.col0 - from.box.col0;
+    for (std::size_t p = 0; p < to.planes.size(); ++p)
+        for (std::int64_t r = 0; r < to.box.rows; ++r)
+            for (std::int64_t c = 0; c < to.box.cols; ++c)
+                to.planes[p](r, c) += from.planes[p](row + r, col + c);
 }
 
 /// The georeference of a window of every 2^level-th sample: centres stay where they are.
@@ -239,16 +243,32 @@ Status check_level(const PyramidLayout& layout, int level) {
 
 Result<LevelCoefficients<double>> RasterFile::coefficients(int level) const {
     RELIEF_CHECK(check_level(layout(), level));
-    RELIEF_TRY(LevelCoefficients<double> result, state_->body->coefficients(level));
-    if (edited())
-        add(result.planes, multires::displacement<double>(layout(), moves(), level).planes);
+    return coefficients(level, multires::scaling_box(layout(), level));
+}
+
+Result<LevelCoefficients<double>> RasterFile::coefficients(int level,
+                                                           const LatticeBox& part) const {
+    RELIEF_CHECK(check_level(layout(), level));
+    const LatticeBox all = multires::scaling_box(layout(), level);
+    if (part.rows < 1 || part.cols < 1 || !all.contains(part.row0, part.col0) ||
+        !all.contains(part.row0 + part.rows - 1, part.col0 + part.cols - 1))
+        return Error{ErrorCode::InvalidArgument,
+                     "the part is not inside the control net of level " + std::to_string(level),
+                     ""};
+    RELIEF_TRY(LevelCoefficients<double> result, state_->body->coefficients(level, part));
+    if (edited()) {
+        const auto moved = multires::displacement<double>(layout(), moves(), level);
+        add(result, moved);
+    }
     return result;
 }
 
 Result<Planes<double>> RasterFile::control_net() const {
     RELIEF_TRY(Planes<double> net, state_->body->control_net());
-    if (edited()) add(net, multires::displacement<double>(layout(), moves(), 0).planes);
-    return net;
+    if (!edited()) return net;
+    LevelCoefficients<double> moved{multires::scaling_box(layout(), 0), std::move(net)};
+    add(moved, multires::displacement<double>(layout(), moves(), 0));
+    return std::move(moved.planes);
 }
 
 Result<DecodedRaster> RasterFile::decode_window(int level, const LatticeBox& window) const {

@@ -8,6 +8,7 @@
 
 #include "relief/core/parallel.h"
 #include "spline/box_kernels.h"
+#include "spline/evaluation.h"
 #include "spline/ringed_grid.h"
 
 namespace relief::spline {
@@ -38,18 +39,6 @@ const OrdinateSums<T>& ordinate_sums(int order) {
                                              make_sums<T>(4)};
     return tables[order - 1];
 }
-
-/// A coordinate moved into [0, last], as cell and place in it; NaN counts as 0.
-template <class T>
-struct Place {
-    Place(double x, std::int64_t last) {
-        const double inside = x > 0 ? std::min(x, static_cast<double>(last)) : 0;
-        cell = static_cast<std::int64_t>(inside);
-        fraction = static_cast<T>(inside - static_cast<double>(cell));
-    }
-    std::int64_t cell;
-    T fraction;
-};
 
 }  // namespace
 
@@ -238,18 +227,7 @@ template <class T>
 Status BoxSurface<T>::evaluate(std::span<const T> i, std::span<const T> j, int derivatives,
                                const JetSpans<T>& out) const {
     const std::size_t count = i.size();
-    const bool sizes = j.size() == count && out.value.size() == count &&
-                       (derivatives < 1 || (out.di.size() == count && out.dj.size() == count)) &&
-                       (derivatives < 2 || (out.dii.size() == count && out.dij.size() == count &&
-                                            out.djj.size() == count));
-    if (derivatives < 0 || derivatives > 2)
-        return Error{ErrorCode::InvalidArgument,
-                     "derivatives must be 0, 1 or 2, not " + std::to_string(derivatives),
-                     "evaluate"};
-    if (!sizes)
-        return Error{ErrorCode::InvalidArgument,
-                     "all spans must have the size of the points, " + std::to_string(count),
-                     "evaluate"};
+    RELIEF_CHECK(check_spans(count, j.size(), derivatives, out));
     const auto rows_from = [&](std::int64_t k) {
         const auto from = [k](std::span<T> span) {
             return span.empty() ? nullptr : span.data() + k;

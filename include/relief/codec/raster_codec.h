@@ -161,6 +161,11 @@ class RasterFile {
     /// Control coefficients of `level`, moves included; corrections are not part of them.
     [[nodiscard]] Result<multires::LevelCoefficients<double>> coefficients(int level) const;
 
+    /// Control coefficients of `level` that lie in `part`, and perhaps others. Complexity: as
+    /// decode_window.
+    [[nodiscard]] Result<multires::LevelCoefficients<double>> coefficients(
+        int level, const LatticeBox& part) const;
+
     /// Control coefficients (relief/multires/surface.h) of a surface that passes through decode(0)
     /// before its rounding to the sample type (for the quasi-interpolating and coefficient data
     /// maps: the surface that the file describes).

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "relief/spline/jet.h"
+
 /// Box splines M_ddd on the triangular lattice: index (i, j), edges e1 = (1, 0), e2 = (0, 1) and e3
 /// = (-1, -1). M_ddd is the d-fold convolution of the hat function M_111 with itself: degree 3d -
 /// 2, continuity C^(2d-2), approximation order 2d, support |i|, |j|, |i - j| <= d.
@@ -20,17 +22,6 @@ inline constexpr int kMaxOrder = 4;
 [[nodiscard]] constexpr int ordinate_count(int degree) {
     return (degree + 1) * (degree + 2) / 2;
 }
-
-/// A value with its first and second derivatives along i (rows) and j (columns), in lattice units.
-template <class T>
-struct SurfaceJet {
-    T value{};
-    T di{};
-    T dj{};
-    T dii{};
-    T dij{};
-    T djj{};
-};
 
 /// One entry of a lattice stencil: `weight` at offset (i, j).
 struct MaskTap {

@@ -9,18 +9,6 @@
 
 namespace relief::spline {
 
-/// Where `BoxSurface::evaluate` writes: one element a point. Derivatives that were not asked for
-/// may stay empty.
-template <class T>
-struct JetSpans {
-    std::span<T> value;
-    std::span<T> di{};
-    std::span<T> dj{};
-    std::span<T> dii{};
-    std::span<T> dij{};
-    std::span<T> djj{};
-};
-
 /// The surface s(i, j) = sum of c(k) M_ddd((i, j) - k) on [0, rows - 1] x [0, cols - 1]. Invariant:
 /// the coefficients on their rows x cols box together with the ring of neighbours that reach into
 /// it, made by the border rule of relief/spline/lattice_filters.h. Immutable; cheap to move;
