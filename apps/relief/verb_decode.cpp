@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "command.h"
+#include "relief/codec/raster_surface.h"
 #include "relief/io/raster.h"
-#include "relief/multires/surface.h"
 
 namespace relief::cli {
 
@@ -17,114 +17,190 @@ struct Decode {
     std::optional<std::int64_t> bytes;
     std::vector<std::int64_t> window;
     double scale = 1;
+    bool allow_damage = false;
 };
 
-/// A part of a raster; the transform moves along.
-Result<Raster> cropped(Raster raster, const std::vector<std::int64_t>& window) {
-    const std::int64_t col = window[0], row = window[1], cols = window[2], rows = window[3];
-    if (cols < 1 || rows < 1 || col < 0 || row < 0 || col > raster.cols - cols ||
-        row > raster.rows - rows)
-        return Error{ErrorCode::InvalidArgument,
-                     fmt::format("the window {},{},{},{} is not inside the {} x {} raster", col,
-                                 row, cols, rows, raster.cols, raster.rows),
-                     ""};
-    for (Grid<double>& plane : raster.planes) {
-        Grid<double> part(rows, cols);
-        for (std::int64_t r = 0; r < rows; ++r)
-            std::copy_n(plane.row(row + r) + col, cols, part.row(r));
-        plane = std::move(part);
-    }
-    if (!raster.mask.empty()) {
-        Grid<std::uint8_t> part(rows, cols);
-        for (std::int64_t r = 0; r < rows; ++r)
-            std::copy_n(raster.mask.row(row + r) + col, cols, part.row(r));
-        raster.mask = std::move(part);
-    }
-    if (raster.geo.transform) {
-        auto& t = *raster.geo.transform;
-        t[0] += static_cast<double>(col) * t[1] + static_cast<double>(row) * t[2];
-        t[3] += static_cast<double>(col) * t[4] + static_cast<double>(row) * t[5];
-    }
-    raster.rows = rows;
-    raster.cols = cols;
-    return raster;
+/// Rows that are decoded at a time when the whole would be large.
+constexpr std::int64_t kStrip = 512;
+constexpr std::int64_t kLarge = std::int64_t{1} << 24;
+
+Result<LatticeBox> window_of(const Decode& options, const LatticeBox& all) {
+    if (options.window.empty()) return all;
+    const LatticeBox box{options.window[1], options.window[0], options.window[3],
+                         options.window[2]};
+    if (box.rows >= 1 && box.cols >= 1 && box.row0 >= 0 && box.col0 >= 0 &&
+        box.row0 <= all.rows - box.rows && box.col0 <= all.cols - box.cols)
+        return box;
+    return Error{ErrorCode::InvalidArgument,
+                 fmt::format("the window {},{},{},{} is not inside the {} x {} raster", box.col0,
+                             box.row0, box.cols, box.rows, all.cols, all.rows),
+                 ""};
 }
 
 /// The surface at another sampling: `scale` times as many samples a side over the same ground.
 /// Below 1 the level whose spacing is the nearest finer one is sampled, so that nothing aliases.
-Result<Raster> rescaled(const codec::RasterFile& file, double scale) {
-    const auto& layout = file.layout();
-    int level = 0;
-    while (level < layout.levels() && std::ldexp(1.0, level + 1) <= 1 / scale) ++level;
-    RELIEF_TRY(Raster raster, file.decode(level));
-    multires::LevelCoefficients<double> net;
-    if (level == 0) {
-        RELIEF_TRY(net.planes, file.control_net());
-        net.box = {0, 0, layout.rows, layout.cols};
-    } else {
-        RELIEF_TRY(net, file.coefficients(level));
+class Rescaled {
+  public:
+    static Result<Rescaled> create(const codec::RasterFile& file, double scale) {
+        Rescaled scaled(file, scale);
+        const auto& layout = file.layout();
+        while (scaled.level_ < layout.levels() && std::ldexp(1.0, scaled.level_ + 1) <= 1 / scale)
+            ++scaled.level_;
+        const double rows = std::ceil(static_cast<double>(layout.rows) * scale - 1e-9);
+        const double cols = std::ceil(static_cast<double>(layout.cols) * scale - 1e-9);
+        if (rows > INT32_MAX || cols > INT32_MAX)
+            return Error{ErrorCode::InvalidArgument, "--scale makes the raster too large", ""};
+        scaled.box_ = {0, 0, std::max<std::int64_t>(1, static_cast<std::int64_t>(rows)),
+                       std::max<std::int64_t>(1, static_cast<std::int64_t>(cols))};
+        return scaled;
     }
-    const double rows = std::ceil(static_cast<double>(layout.rows) * scale - 1e-9);
-    const double cols = std::ceil(static_cast<double>(layout.cols) * scale - 1e-9);
-    if (rows > 1e6 || cols > 1e6 || rows * cols > 4e9)
-        return Error{ErrorCode::InvalidArgument, "--scale makes the raster too large", ""};
-    Raster result;
-    result.rows = std::max<std::int64_t>(1, static_cast<std::int64_t>(rows));
-    result.cols = std::max<std::int64_t>(1, static_cast<std::int64_t>(cols));
-    // Sample r lies at (r + 1/2) / scale - 1/2 of the finest raster: cells cover the same ground.
-    const double step = 1 / scale;
-    const double first = 0.5 * step - 0.5;
-    const double unit = std::ldexp(1.0, -level);
-    for (const Grid<double>& plane : net.planes) {
+
+    [[nodiscard]] const LatticeBox& box() const { return box_; }
+
+    [[nodiscard]] Result<Raster> window(const LatticeBox& part) const {
         RELIEF_TRY(const auto surface,
-                   multires::Surface<double>::create(layout.spec, plane.view()));
-        Grid<double> samples(result.rows, result.cols);
-        surface.evaluate_grid(first * unit - static_cast<double>(net.box.row0), step * unit,
-                              first * unit - static_cast<double>(net.box.col0), step * unit,
-                              samples.view());
-        result.planes.push_back(std::move(samples));
-    }
-    const Raster& about = file.description();
-    result.type = is_integer(about.type) ? SampleType::Float32 : about.type;
-    result.nodata = about.nodata;
-    result.geo = about.geo;
-    if (result.geo.transform)
-        for (const std::size_t k : {1U, 2U, 4U, 5U}) (*result.geo.transform)[k] *= step;
-    result.unit = about.unit;
-    result.scale = about.scale;
-    result.offset = about.offset;
-    result.band_names = about.band_names;
-    result.metadata = about.metadata;
-    if (!file.mask().empty()) result.mask = Grid<std::uint8_t>(result.rows, result.cols);
-    for (std::int64_t r = 0; r < result.rows; ++r)
-        for (std::int64_t c = 0; c < result.cols; ++c) {
-            if (result.mask.empty()) continue;
-            const auto at = [&](std::int64_t k, std::int64_t n) {
-                return std::clamp<std::int64_t>(std::llround(first + static_cast<double>(k) * step),
-                                                0, n - 1);
-            };
-            result.mask(r, c) = file.mask()(at(r, layout.rows), at(c, layout.cols));
-            if (!result.mask(r, c))
-                for (Grid<double>& plane : result.planes) plane(r, c) = NAN;
+                   codec::RasterSurface::create(file_, level_, level_box(part)));
+        Raster result = description(part);
+        const double step = std::ldexp(1 / scale_, -level_);
+        for (int c = 0; c < surface.components(); ++c) {
+            Grid<double> samples(part.rows, part.cols);
+            surface.evaluate_grid(c, place(part.row0), step, place(part.col0), step,
+                                  samples.view());
+            result.planes.push_back(std::move(samples));
         }
-    for (Grid<double>& plane : result.planes)
-        for (std::int64_t r = 0; r < result.rows; ++r)
-            for (std::int64_t c = 0; c < result.cols; ++c)
-                if (result.valid(r, c))
-                    plane(r, c) = stored_value(plane(r, c), result.type, result.nodata);
-    return result;
-}
+        result.mask = Grid<std::uint8_t>(part.rows, part.cols);
+        for (std::int64_t r = 0; r < part.rows; ++r)
+            for (std::int64_t c = 0; c < part.cols; ++c)
+                result.mask(r, c) = surface.valid(place(part.row0 + r), place(part.col0 + c));
+        store(result);
+        return result;
+    }
+
+  private:
+    Rescaled(const codec::RasterFile& file, double scale) : file_(file), scale_(scale) {}
+
+    /// Sample r lies at (r + 1/2) / scale - 1/2 of the finest raster, so that cells cover the same
+    /// ground; here in samples of the level.
+    [[nodiscard]] double place(std::int64_t r) const {
+        return std::ldexp((static_cast<double>(r) + 0.5) / scale_ - 0.5, -level_);
+    }
+
+    /// Samples of the level around a window.
+    [[nodiscard]] LatticeBox level_box(const LatticeBox& part) const {
+        const LatticeBox all = file_.box(level_);
+        const auto between = [&](std::int64_t first, std::int64_t count, std::int64_t n) {
+            const auto low = static_cast<std::int64_t>(std::floor(place(first)));
+            const auto high = static_cast<std::int64_t>(std::ceil(place(first + count - 1)));
+            const std::int64_t begin = std::clamp<std::int64_t>(low, 0, n - 1);
+            return std::pair{begin, std::clamp<std::int64_t>(high, begin, n - 1) - begin + 1};
+        };
+        const auto [row0, rows] = between(part.row0, part.rows, all.rows);
+        const auto [col0, cols] = between(part.col0, part.cols, all.cols);
+        return {row0, col0, rows, cols};
+    }
+
+    [[nodiscard]] Raster description(const LatticeBox& part) const {
+        Raster result = description_of(file_.description());
+        result.rows = part.rows;
+        result.cols = part.cols;
+        if (is_integer(result.type)) result.type = SampleType::Float32;
+        if (!result.geo.transform) return result;
+        auto& t = *result.geo.transform;
+        for (const std::size_t k : {1U, 2U, 4U, 5U}) t[k] /= scale_;
+        t[0] += static_cast<double>(part.col0) * t[1] + static_cast<double>(part.row0) * t[2];
+        t[3] += static_cast<double>(part.col0) * t[4] + static_cast<double>(part.row0) * t[5];
+        return result;
+    }
+
+    static void store(Raster& raster) {
+        bool holes = false;
+        for (Grid<double>& plane : raster.planes)
+            for (std::int64_t r = 0; r < raster.rows; ++r) {
+                stored_row(plane.row(r), raster.cols, raster.type, raster.nodata, plane.row(r));
+                for (std::int64_t c = 0; c < raster.cols; ++c) {
+                    if (raster.valid(r, c)) continue;
+                    plane(r, c) = NAN;
+                    holes = true;
+                }
+            }
+        if (!holes) raster.mask = {};
+    }
+
+    const codec::RasterFile& file_;
+    double scale_;
+    int level_ = 0;
+    LatticeBox box_;
+};
 
 /// What a reader of the raster, and `relief compare`, may want to know of its origin. What an
 /// earlier encoding said of itself goes.
 void describe(const codec::RasterFile& file, std::optional<double> bound, Raster& raster) {
-    const auto& spec = file.layout().spec;
+    const auto& spec = file.spec();
     std::erase_if(raster.metadata,
                   [](const auto& item) { return item.first.starts_with("RELIEF_"); });
     raster.metadata.emplace_back(
         "RELIEF_SCHEME", fmt::format("{} order {}", multires::scheme_name(spec.id), spec.order));
     raster.metadata.emplace_back("RELIEF_LEVELS", std::to_string(spec.levels));
     if (bound) raster.metadata.emplace_back("RELIEF_MAX_ERROR", fmt::format("{}", *bound));
+}
+
+/// Samples of a window of what was asked for.
+class Source {
+  public:
+    static Result<Source> create(const codec::RasterFile& file, const Decode& options) {
+        Source source(file, options);
+        source.box_ = file.box(std::min(options.level, file.layout().levels()));
+        if (options.level > file.layout().levels()) return file.decode(options.level).error();
+        if (options.scale != 1) {
+            RELIEF_TRY(Rescaled rescaled, Rescaled::create(file, options.scale));
+            source.rescaled_.emplace(std::move(rescaled));
+            source.box_ = source.rescaled_->box();
+        }
+        return source;
+    }
+
+    [[nodiscard]] const LatticeBox& box() const { return box_; }
+
+    [[nodiscard]] Result<Raster> window(const LatticeBox& part) {
+        if (rescaled_) return rescaled_->window(part);
+        RELIEF_TRY(codec::DecodedRaster decoded, file_.decode_window(options_.level, part));
+        if (!decoded.damaged.empty() && !options_.allow_damage) {
+            const LatticeBox& first = decoded.damaged.front();
+            return Error{ErrorCode::BadFile,
+                         fmt::format("chunks of columns {} to {}, rows {} to {}{} are damaged; "
+                                     "--allow-damage fills them in from coarser ones",
+                                     first.col0, first.col0 + first.cols - 1, first.row0,
+                                     first.row0 + first.rows - 1,
+                                     decoded.damaged.size() > 1 ? " and of more tiles" : ""),
+                         ""};
+        }
+        damaged_.insert(damaged_.end(), decoded.damaged.begin(), decoded.damaged.end());
+        bound_ = bound_ && decoded.bound ? std::optional(std::max(*bound_, *decoded.bound))
+                                         : std::nullopt;
+        return std::move(decoded.raster);
+    }
+
+    /// Of all windows so far.
+    [[nodiscard]] std::optional<double> bound() const { return rescaled_ ? std::nullopt : bound_; }
+    [[nodiscard]] const std::vector<LatticeBox>& damaged() const { return damaged_; }
+
+  private:
+    Source(const codec::RasterFile& file, const Decode& options) : file_(file), options_(options) {}
+
+    const codec::RasterFile& file_;
+    const Decode& options_;
+    LatticeBox box_;
+    std::optional<Rescaled> rescaled_;
+    std::optional<double> bound_ = 0;
+    std::vector<LatticeBox> damaged_;
+};
+
+Json damage_json(const std::vector<LatticeBox>& damaged) {
+    Json list = Json::array();
+    for (const LatticeBox& box : damaged)
+        list.push_back(
+            Json{{"col", box.col0}, {"row", box.row0}, {"width", box.cols}, {"height", box.rows}});
+    return list;
 }
 
 Result<Outcome> run(const Decode& options, const Globals& globals) {
@@ -136,30 +212,33 @@ Result<Outcome> run(const Decode& options, const Globals& globals) {
     if (options.bytes && *options.bytes < 1)
         return Error{ErrorCode::InvalidArgument, "--bytes must be at least 1", ""};
     RELIEF_TRY(const codec::RasterFile file, open_relief(options.in, options.bytes));
-    auto decoded = options.scale == 1 ? file.decode(options.level) : rescaled(file, options.scale);
+    auto source = Source::create(file, options);
+    if (!source.ok()) return located(source.error(), options.in);
+    const auto window = window_of(options, source->box());
+    if (!window.ok()) return located(window.error(), options.in);
+    auto decoded = source->window(*window);
     if (!decoded.ok()) return located(decoded.error(), options.in);
-    Raster raster = *std::move(decoded);
-    if (!options.window.empty()) {
-        RELIEF_TRY(raster, cropped(std::move(raster), options.window));
-    }
-    std::optional<double> bound;
-    if (options.scale == 1) bound = file.bound(options.level);
-    describe(file, bound, raster);
+    const std::optional<double> bound = source->bound();
+    describe(file, bound, *decoded);
     RELIEF_CHECK(
-        io::write_raster(options.out, raster, {.progress = progress_bar(globals, "writing")}));
+        io::write_raster(options.out, *decoded, {.progress = progress_bar(globals, "writing")}));
     Outcome outcome;
-    outcome.json = Json{{"samples", raster.rows * raster.cols},
+    outcome.json = Json{{"samples", window->rows * window->cols},
                         {"bytes_read", file.bytes_for(options.level)},
                         {"level", options.level},
                         {"bound", bound ? json_number(*bound) : Json(nullptr)},
-                        {"rows", raster.rows},
-                        {"cols", raster.cols},
+                        {"rows", window->rows},
+                        {"cols", window->cols},
                         {"finest_level", file.finest_level()},
+                        {"damaged", damage_json(source->damaged())},
                         {"seconds", watch.seconds()}};
     outcome.text = fmt::format("{}: {} x {} samples of level {}, {} bytes read\n", options.out,
-                               raster.cols, raster.rows, options.level,
+                               window->cols, window->rows, options.level,
                                grouped(static_cast<std::int64_t>(file.bytes_for(options.level))));
     if (bound) outcome.text += fmt::format("within {} of the original\n", shown(*bound));
+    if (!source->damaged().empty())
+        outcome.text += fmt::format("{} damaged tiles were filled in from coarser levels\n",
+                                    source->damaged().size());
     return outcome;
 }
 
@@ -185,6 +264,8 @@ void add_decode(Program& program) {
     verb->add_option("--window", options->window, "COL,ROW,WIDTH,HEIGHT in samples of the result")
         ->delimiter(',')
         ->expected(4);
+    verb->add_flag("--allow-damage", options->allow_damage,
+                   "fill damaged tiles in from coarser levels, and say which");
     verb->add_option("--scale", options->scale,
                      "samples a side relative to the original: the spline evaluated anywhere");
 }

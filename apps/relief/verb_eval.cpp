@@ -4,11 +4,12 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <string_view>
 
 #include "command.h"
+#include "relief/codec/raster_surface.h"
 #include "relief/io/file.h"
-#include "relief/multires/surface.h"
 
 namespace relief::cli {
 
@@ -167,9 +168,7 @@ LatticePoints locate(const std::vector<Point>& points, const PlaceMap& map,
     for (const Point& point : points) {
         const double i = settled(map.row(point), file.layout().rows);
         const double j = settled(map.col(point), file.layout().cols);
-        const bool inside =
-            !std::isnan(i) && !std::isnan(j) &&
-            (file.mask().empty() || file.mask()(std::llround(i), std::llround(j)) != 0);
+        const bool inside = !std::isnan(i) && !std::isnan(j);
         found.i.push_back(inside ? i : 0);
         found.j.push_back(inside ? j : 0);
         found.inside.push_back(inside);
@@ -177,30 +176,63 @@ LatticePoints locate(const std::vector<Point>& points, const PlaceMap& map,
     return found;
 }
 
-/// All derivatives of one component at all points, in data units.
-Result<std::vector<Jet>> jets_of(const Grid<double>& net, const multires::SchemeSpec& spec,
-                                 int derivatives, const LatticePoints& at, const PlaceMap& map) {
-    RELIEF_TRY(const auto surface, multires::Surface<double>::create(spec, net.view()));
-    const std::size_t n = at.i.size();
+/// Points of one part of the raster, which are evaluated together.
+struct Group {
+    LatticeBox window;
+    std::vector<std::size_t> points;
+};
+
+/// Files in tiles are read where points are; others as a whole.
+std::vector<Group> groups_of(const codec::RasterFile& file, const LatticePoints& at) {
+    constexpr std::int64_t side = 512;
+    const std::int64_t rows = file.layout().rows;
+    const std::int64_t cols = file.layout().cols;
+    const bool together = !file.closed_loop() || rows * cols <= (std::int64_t{1} << 22);
+    std::map<std::pair<std::int64_t, std::int64_t>, Group> groups;
+    for (std::size_t n = 0; n < at.i.size(); ++n) {
+        if (!at.inside[n]) continue;
+        const std::int64_t row = together ? 0 : static_cast<std::int64_t>(at.i[n]) / side * side;
+        const std::int64_t col = together ? 0 : static_cast<std::int64_t>(at.j[n]) / side * side;
+        Group& group = groups[{row, col}];
+        group.window = together ? LatticeBox{0, 0, rows, cols}
+                                : LatticeBox{row, col, std::min(side + 1, rows - row),
+                                             std::min(side + 1, cols - col)};
+        group.points.push_back(n);
+    }
+    std::vector<Group> list;
+    for (auto& [place, group] : groups) list.push_back(std::move(group));
+    return list;
+}
+
+/// All derivatives of all components at the points of a group, in data units.
+Status evaluate(const codec::RasterFile& file, const Group& group, int derivatives,
+                const PlaceMap& map, LatticePoints& at, std::vector<std::vector<Jet>>& jets) {
+    RELIEF_TRY(const auto surface, codec::RasterSurface::create(file, 0, group.window));
+    std::vector<double> i;
+    std::vector<double> j;
+    for (const std::size_t n : group.points) {
+        i.push_back(at.i[n]);
+        j.push_back(at.j[n]);
+        at.inside[n] = surface.valid(at.i[n], at.j[n]);
+    }
     std::array<std::vector<double>, 6> parts;
-    for (auto& part : parts) part.resize(n);
-    RELIEF_CHECK(surface.evaluate(at.i, at.j, derivatives,
-                                  {parts[0], parts[1], parts[2], parts[3], parts[4], parts[5]}));
-    std::vector<Jet> jets;
-    for (std::size_t k = 0; k < n; ++k)
-        jets.push_back(map.to_data_units(
-            {parts[0][k], parts[1][k], parts[2][k], parts[3][k], parts[4][k], parts[5][k]}));
-    return jets;
+    for (auto& part : parts) part.resize(i.size());
+    for (int c = 0; c < surface.components(); ++c) {
+        RELIEF_CHECK(surface.evaluate(
+            c, i, j, derivatives, {parts[0], parts[1], parts[2], parts[3], parts[4], parts[5]}));
+        for (std::size_t k = 0; k < i.size(); ++k)
+            jets[static_cast<std::size_t>(c)][group.points[k]] = map.to_data_units(
+                {parts[0][k], parts[1][k], parts[2][k], parts[3][k], parts[4][k], parts[5][k]});
+    }
+    return {};
 }
 
 Result<std::vector<std::vector<Jet>>> evaluate(const codec::RasterFile& file, int derivatives,
-                                               const LatticePoints& at, const PlaceMap& map) {
-    RELIEF_TRY(const auto net, file.control_net());
-    std::vector<std::vector<Jet>> components;
-    for (const Grid<double>& plane : net) {
-        RELIEF_TRY(auto jets, jets_of(plane, file.layout().spec, derivatives, at, map));
-        components.push_back(std::move(jets));
-    }
+                                               LatticePoints& at, const PlaceMap& map) {
+    std::vector<std::vector<Jet>> components(static_cast<std::size_t>(file.layout().components),
+                                             std::vector<Jet>(at.i.size()));
+    for (const Group& group : groups_of(file, at))
+        RELIEF_CHECK(evaluate(file, group, derivatives, map, at, components));
     return components;
 }
 
@@ -213,7 +245,7 @@ Result<Outcome> run(const Eval& options, const Globals& globals) {
     RELIEF_TRY(const codec::RasterFile file, open_relief(options.in));
     const auto map = PlaceMap::create(file.description().geo);
     if (!map.ok()) return located(map.error(), options.in);
-    const LatticePoints at = locate(points, *map, file);
+    LatticePoints at = locate(points, *map, file);
     const auto components = evaluate(file, options.derivatives, at, *map);
     if (!components.ok()) return located(components.error(), options.in);
 

@@ -8,6 +8,7 @@
 #include "relief/io/picture.h"
 #include "relief/io/png.h"
 #include "relief/io/wireframe.h"
+#include "relief/multires/surface.h"
 
 namespace relief::cli {
 
@@ -69,8 +70,17 @@ Result<Raster> level_surface(const codec::RasterFile& file, int level) {
     if (level == 0) return raster;
     RELIEF_TRY(auto net, file.coefficients(level));
     const auto& layout = file.layout();
-    raster.planes =
-        multires::samples_of(layout, multires::subdivide(layout, std::move(net), level, 0), 0);
+    if (!file.closed_loop()) {
+        raster.planes =
+            multires::samples_of(layout, multires::subdivide(layout, std::move(net), level, 0), 0);
+        return raster;
+    }
+    const double step = std::ldexp(1.0, -level);
+    for (std::size_t p = 0; p < raster.planes.size(); ++p) {
+        RELIEF_TRY(const auto surface,
+                   multires::Surface<double>::create(file.spec(), net.planes[p].view()));
+        surface.evaluate_grid(0, step, 0, step, raster.planes[p].view());
+    }
     return raster;
 }
 
