@@ -8,6 +8,7 @@
 
 #include "codec/band_plane.h"
 #include "codec/level_model.h"
+#include "codec/range_coder.h"
 #include "relief/codec/band_coder.h"
 
 namespace relief::codec {
@@ -225,7 +226,7 @@ class LevelCoder {
         const std::uint32_t base = (2 + (u & 1)) << (raw + 1);
         const bool upper =
             code_adaptive(coder_, ((excess - base) >> raw & 1) != 0, model_->place[u]);
-        const std::uint32_t low = code_low_bits(excess - base, raw);
+        const std::uint32_t low = code_low_bits(coder_, excess - base, raw);
         return base + (static_cast<std::uint32_t>(upper) << raw) + low;
     }
 
@@ -237,16 +238,6 @@ class LevelCoder {
             {&m.bucket_expected[kind_][u][s.expected], &m.bucket_sources[kind_][low][s.sources],
              &m.bucket_nearest[kind_][low][s.nearest]},
             m.bucket_mix, m.bucket_refinement[u]);
-    }
-
-    /// The lowest `count` bits as they are, sixteen at most in one step.
-    std::uint32_t code_low_bits(std::uint32_t value, int count) {
-        std::uint32_t high = 0;
-        if (count > 16) {
-            high = coder_.code_raw(value >> 16 & ((1U << (count - 16)) - 1), count - 16) << 16;
-            count = 16;
-        }
-        return count == 0 ? 0 : high | coder_.code_raw(value & ((1U << count) - 1), count);
     }
 
     Coder& coder_;

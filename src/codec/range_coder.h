@@ -158,4 +158,15 @@ class CostCounter {
     double bits_ = 0;
 };
 
+/// The lowest `count` bits as they are, sixteen at most in one step.
+template <class Coder>
+std::uint32_t code_low_bits(Coder& coder, std::uint32_t value, int count) {
+    std::uint32_t high = 0;
+    if (count > 16) {
+        high = coder.code_raw(value >> 16 & ((1U << (count - 16)) - 1), count - 16) << 16;
+        count = 16;
+    }
+    return count == 0 ? 0 : high | coder.code_raw(value & ((1U << count) - 1), count);
+}
+
 }  // namespace relief::codec
