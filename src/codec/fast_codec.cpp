@@ -3,8 +3,8 @@
 #include <cstring>
 
 #include "codec/fast_bits.h"
-#include "codec/fast_planes.h"
 #include "codec/fast_rows.h"
+#include "codec/fast_samples.h"
 #include "codec/fast_tokens.h"
 #include "codec/lattice_fill.h"
 #include "codec/lattice_level.h"
@@ -26,7 +26,7 @@ std::int64_t padded(std::int64_t n) {
     return (n + kBatch - 1) / kBatch * kBatch;
 }
 
-/// What the magnitudes of a token have in common, and the raw bits that tell the rest.
+/// The least magnitude of a token, and how many raw bits tell the sign, the lowest, and the rest.
 struct TokenRange {
     std::int32_t first;
     int bits;
@@ -37,10 +37,10 @@ constexpr std::array<TokenRange, kTokens> kRanges = [] {
     std::int32_t first = 0;
     for (int t = 0; t < kTokens; ++t) {
         const int bits = t < kOwnTokens ? 0 : 1 + (t - kOwnTokens) / 2;
-        ranges[static_cast<std::size_t>(t)] = {first, bits};
+        ranges[static_cast<std::size_t>(t)] = {first, t == 0 ? 0 : bits + 1};
         first += 1 << bits;
     }
-    ranges.back().bits = 30;
+    ranges.back().bits = 31;
     return ranges;
 }();
 
@@ -62,14 +62,7 @@ struct RowBuffers {
     static std::size_t size(std::int64_t cols) { return static_cast<std::size_t>(padded(cols)); }
 };
 
-/// Row r of a level, of which the columns col0, col0 + 2, .. are coded.
-struct CodedRow {
-    std::int64_t r;
-    std::int64_t col0;
-    std::int64_t n;
-};
-
-void silence(const LatticeLevel& level, const CodedRow& row, std::uint8_t* classes) {
+void silence(const LatticeLevel& level, const SampleRow& row, std::uint8_t* classes) {
     std::fill(classes + row.n, classes + padded(row.n), kSilent);
     if (level.all_valid) return;
     const std::uint8_t* valid = level.valid.row(row.r) + row.col0;
@@ -77,29 +70,19 @@ void silence(const LatticeLevel& level, const CodedRow& row, std::uint8_t* class
         if (!valid[2 * k]) classes[k] = kSilent;
 }
 
-/// The order of the samples, for encoder and decoder: code(row, buffers) makes the quotients of a
-/// row from its predictions and classes.
+/// What encoder and decoder share: code(row, buffers) makes the quotients of a row from its
+/// predictions and classes.
 template <class Code>
 void code_level(LatticeLevel& level, const RowRule& rule, Code code) {
-    LatticePlanes planes(level, rule);
     RowBuffers buffers((level.cols() + 1) / 2);
-    const auto code_row = [&](const CodedRow& row, const Neighbours& neighbours,
-                              std::int32_t* values, std::int16_t* kept) {
+    SampleRows(level, rule).for_each([&](const SampleRow& row) {
         std::int32_t* predictions = buffers.predictions.data();
-        predict_row(neighbours, row.n, rule, predictions, buffers.classes.data());
+        predict_row(row.neighbours, row.n, rule, predictions, buffers.classes.data());
         silence(level, row, buffers.classes.data());
         code(row, buffers);
-        reconstruct_row(predictions, buffers.quotients.data(), row.n, rule, values, kept);
-    };
-    for (std::int64_t i = 0; i < planes.diagonal_rows(); ++i)
-        code_row({2 * i + 1, 1, planes.diagonal_cols()}, planes.diagonal_neighbours(i),
-                 planes.diagonal_values(i), planes.diagonal_quotients(i));
-    for (std::int64_t r = 0; r < level.rows(); ++r) {
-        code_row({r, 1 - r % 2, planes.edge_cols(r)}, planes.edge_neighbours(r),
-                 planes.edge_values(r), planes.edge_quotients(r));
-        planes.merge_row(r, level);
-    }
-    fill_edge_margins(level);
+        reconstruct_row(predictions, buffers.quotients.data(), row.n, rule, row.values,
+                        row.quotients);
+    });
 }
 
 /// Writes the places of the tokens that are not 0, and returns how many they are.
@@ -109,9 +92,9 @@ std::int64_t find_tokens(const std::uint8_t* tokens, std::int64_t n, std::int32_
         std::uint64_t batch = 0;
         std::memcpy(&batch, tokens + k, sizeof batch);
         if (batch == 0) continue;
-        for (std::int64_t s = 0; s < kBatch; ++s) {
-            places[count] = static_cast<std::int32_t>(k + s);
-            count += tokens[k + s] != 0;
+        for (std::int64_t s = k; s < k + kBatch; ++s) {
+            places[count] = static_cast<std::int32_t>(s);
+            count += tokens[s] != 0;
         }
     }
     return count;
@@ -127,7 +110,7 @@ class TokenCollector {
         tokens_ = Buffer<std::uint8_t>(most);
     }
 
-    void add_row(const CodedRow& row, RowBuffers& buffers) {
+    void add_row(const SampleRow& row, RowBuffers& buffers) {
         std::int64_t n = padded(row.n);
         std::uint8_t* tokens = buffers.tokens.data();
         std::fill(tokens + row.n, tokens + n, std::uint8_t{0});
@@ -135,12 +118,15 @@ class TokenCollector {
         std::copy_n(tokens, n, tokens_.data() + size_);
         size_ += n;
         const std::int64_t count = find_tokens(tokens, n, buffers.places.data());
-        for (std::int64_t k = 0; k < count; ++k)
-            put_rest(buffers, buffers.places[static_cast<std::size_t>(k)]);
-        nonzero_ += count;
+        rest_.reserve(static_cast<std::size_t>(32 * count));
+        for (std::int64_t k = 0; k < count; ++k) {
+            const std::int32_t place = buffers.places[static_cast<std::size_t>(k)];
+            put_rest(tokens[place], buffers.quotients[static_cast<std::size_t>(place)]);
+        }
+        all_zero_ &= count == 0;
     }
 
-    [[nodiscard]] bool all_zero() const { return nonzero_ == 0; }
+    [[nodiscard]] bool all_zero() const { return all_zero_; }
 
     [[nodiscard]] ClassCounts counts() const {
         std::vector<std::array<std::array<std::uint32_t, kTokens>, kClasses + 1>> parts(4);
@@ -186,21 +172,19 @@ class TokenCollector {
         return {end, stop};
     }
 
-    std::vector<std::uint8_t> finish_rest() { return rest_.finish(); }
+    [[nodiscard]] std::span<const std::uint8_t> rest() const { return rest_.bytes(); }
 
   private:
-    void put_rest(const RowBuffers& buffers, std::int32_t place) {
-        const auto at = static_cast<std::size_t>(place);
-        const std::int32_t quotient = buffers.quotients[at];
-        const TokenRange range = kRanges[buffers.tokens[at]];
+    void put_rest(std::uint8_t token, std::int32_t quotient) {
+        const TokenRange range = kRanges[token];
         const auto offset = static_cast<std::uint32_t>(std::abs(quotient) - range.first);
-        rest_.put(offset << 1 | (quotient < 0 ? 1U : 0U), range.bits + 1);
+        rest_.put(offset << 1 | (quotient < 0 ? 1U : 0U), range.bits);
     }
 
     Buffer<std::uint8_t> classes_;
     Buffer<std::uint8_t> tokens_;
     std::int64_t size_ = 0;
-    std::int64_t nonzero_ = 0;
+    bool all_zero_ = true;
     BitWriter rest_;
 };
 
@@ -228,7 +212,7 @@ class TokenDecoder {
         }
     }
 
-    void decode_row(const CodedRow& row, RowBuffers& buffers) {
+    void decode_row(const SampleRow& row, RowBuffers& buffers) {
         const std::uint8_t* classes = buffers.classes.data();
         std::uint8_t* tokens = buffers.tokens.data();
         const std::int64_t n = padded(row.n);
@@ -245,15 +229,8 @@ class TokenDecoder {
             default:
                 decode_tokens<8>(classes, n, tokens);
         }
-        std::fill_n(buffers.quotients.data(), row.n, 0);
         const std::int64_t count = find_tokens(tokens, n, buffers.places.data());
-        for (std::int64_t k = 0; k < count; ++k) {
-            const auto at = static_cast<std::size_t>(buffers.places[static_cast<std::size_t>(k)]);
-            const TokenRange range = kRanges[tokens[at]];
-            const std::uint32_t bits = rest_.get(range.bits + 1);
-            const std::int32_t magnitude = range.first + static_cast<std::int32_t>(bits >> 1);
-            buffers.quotients[at] = bits & 1 ? -magnitude : magnitude;
-        }
+        decode_quotients(tokens, buffers.places.data(), count, row.n, buffers.quotients.data());
     }
 
     [[nodiscard]] bool at_end() const {
@@ -288,6 +265,19 @@ class TokenDecoder {
         }
     }
 
+    void decode_quotients(const std::uint8_t* tokens, const std::int32_t* places,
+                          std::int64_t count, std::int64_t n, std::int32_t* quotients) {
+        std::fill_n(quotients, n, 0);
+        BitReader rest = rest_;
+        for (std::int64_t k = 0; k < count; ++k) {
+            const TokenRange range = kRanges[tokens[places[k]]];
+            const std::uint32_t bits = rest.get(range.bits);
+            const std::int32_t magnitude = range.first + static_cast<std::int32_t>(bits >> 1);
+            quotients[places[k]] = bits & 1 ? -magnitude : magnitude;
+        }
+        rest_ = rest;
+    }
+
     std::vector<RansTable<kTokens>> tables_;
     int states_;
     std::array<std::uint32_t, kMostStates> state_{};
@@ -313,7 +303,7 @@ void FastCodec::encode(LatticeLevel& level, GridView<const std::int32_t> source,
     const RowRule rule(level.lowest, level.highest, level.step);
     TokenCollector collector(level);
     Buffer<std::int32_t> sources(static_cast<std::size_t>(level.cols() + 1) / 2);
-    code_level(level, rule, [&](const CodedRow& row, RowBuffers& buffers) {
+    code_level(level, rule, [&](const SampleRow& row, RowBuffers& buffers) {
         split_values(source.row(row.r) + row.col0, row.n, rule, sources.data());
         quantise_row(sources.data(), buffers.predictions.data(), buffers.classes.data(), row.n,
                      rule, buffers.quotients.data(), buffers.tokens.data());
@@ -323,7 +313,7 @@ void FastCodec::encode(LatticeLevel& level, GridView<const std::int32_t> source,
     const ClassCounts counts = collector.counts();
     BitWriter tables;
     model_.adapt(counts, tables);
-    std::vector<std::uint8_t> rest = collector.finish_rest();
+    const auto rest = collector.rest();
     const int log_states = choose_log_states(cost_of(counts, model_) / (8 * 256) + rest.size());
     Buffer<std::uint16_t> words;
     const auto coded = collector.encode(model_, 1 << log_states, words);
@@ -332,7 +322,7 @@ void FastCodec::encode(LatticeLevel& level, GridView<const std::int32_t> source,
     tables.put(static_cast<std::uint32_t>(log_states), 2);
     tables.put(static_cast<std::uint32_t>(width), 5);
     tables.put(count, width);
-    const std::vector<std::uint8_t> head = tables.finish();
+    const auto head = tables.bytes();
     out.insert(out.end(), head.begin(), head.end());
     for (const std::uint16_t word : coded) {
         out.push_back(static_cast<std::uint8_t>(word));
@@ -352,11 +342,12 @@ Status FastCodec::decode(LatticeLevel& level, std::span<const std::uint8_t> byte
     if (!model.read(head)) return damaged(level);
     const int states = 1 << head.get(2);
     const std::uint64_t count = head.get(static_cast<int>(head.get(5)));
-    const auto body = head.following_bytes();
+    const auto body = head.rest();
     if (body.size() / 2 < count) return damaged(level);
     TokenDecoder decoder(model, states, body.first(2 * count), body.subspan(2 * count));
-    code_level(level, rule,
-               [&](const CodedRow& row, RowBuffers& buffers) { decoder.decode_row(row, buffers); });
+    code_level(level, rule, [&](const SampleRow& row, RowBuffers& buffers) {
+        decoder.decode_row(row, buffers);
+    });
     if (!decoder.at_end()) return damaged(level);
     model_ = model;
     return {};

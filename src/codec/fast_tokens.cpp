@@ -177,6 +177,7 @@ void TokenModel::adapt(const ClassCounts& counts, BitWriter& bits) {
     const Plan& best = restart ? anew : here;
     if (restart) weights_ = kTerrain;
     const bool any = std::find(best.sent.begin(), best.sent.end(), true) != best.sent.end();
+    bits.reserve(kClasses * (2 * kTokens * 16));
     bits.put(restart, 1);
     bits.put(any, 1);
     for (std::size_t c = 0; any && c < kClasses; ++c) {
