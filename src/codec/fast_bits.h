@@ -23,8 +23,7 @@ class BitWriter {
     void put(std::uint32_t value, int count) {
         waiting_ |= std::uint64_t{value} << count_;
         count_ += count;
-        std::uint8_t* at = bytes_.data() + size_;
-        for (int k = 0; k < 8; ++k) at[k] = static_cast<std::uint8_t>(waiting_ >> (8 * k));
+        store(waiting_, bytes_.data() + size_);
         const int whole = count_ / 8;
         size_ += static_cast<std::size_t>(whole);
         waiting_ >>= 8 * whole;
@@ -51,7 +50,8 @@ class BitReader {
     /// Requires: count <= 32.
     std::uint32_t get(int count) {
         const std::size_t byte = position_ / 8;
-        const std::uint64_t word = byte + 8 <= bytes_.size() ? load(byte) : load_last(byte);
+        const std::uint64_t word =
+            byte + 8 <= bytes_.size() ? load<std::uint64_t>(bytes_.data() + byte) : load_last(byte);
         const std::uint64_t mask = (std::uint64_t{1} << count) - 1;
         const std::uint64_t value = word >> (position_ % 8) & mask;
         position_ += static_cast<std::size_t>(count);
@@ -70,10 +70,6 @@ class BitReader {
     }
 
   private:
-    [[nodiscard]] std::uint64_t load(std::size_t byte) const {
-        const std::uint8_t* at = bytes_.data() + byte;
-        return take<std::uint64_t>(at);
-    }
     [[nodiscard]] std::uint64_t load_last(std::size_t byte) const {
         std::uint64_t word = 0;
         for (std::size_t k = 0; byte + k < bytes_.size(); ++k)

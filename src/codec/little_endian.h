@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -20,13 +21,36 @@ inline void put_double(std::vector<std::uint8_t>& out, double value) {
     put(out, bits);
 }
 
+/// The number at any address. Copied at once where the machine allows: compilers do not merge the
+/// bytes of the loop.
+template <class Unsigned>
+Unsigned load(const std::uint8_t* at) {
+    Unsigned value = 0;
+    if constexpr (std::endian::native == std::endian::little) {
+        std::memcpy(&value, at, sizeof value);
+    } else {
+        for (std::size_t k = sizeof value; k-- > 0;)
+            value = static_cast<Unsigned>(value << 8 | at[k]);
+    }
+    return value;
+}
+
+template <class Unsigned>
+void store(Unsigned value, std::uint8_t* at) {
+    if constexpr (std::endian::native == std::endian::little) {
+        std::memcpy(at, &value, sizeof value);
+    } else {
+        for (std::size_t k = 0; k < sizeof value; ++k)
+            at[k] = static_cast<std::uint8_t>(value >> (8 * k));
+    }
+}
+
 /// Reads a number and moves on. The caller has checked that its bytes are there.
 template <class Unsigned>
 Unsigned take(const std::uint8_t*& at) {
-    std::uint64_t value = 0;
-    for (std::size_t k = 0; k < sizeof(Unsigned); ++k) value |= std::uint64_t{at[k]} << (8 * k);
+    const auto value = load<Unsigned>(at);
     at += sizeof(Unsigned);
-    return static_cast<Unsigned>(value);
+    return value;
 }
 
 inline double take_double(const std::uint8_t*& at) {
