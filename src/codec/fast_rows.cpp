@@ -20,7 +20,7 @@ namespace relief::codec::fast {
 /// constant, steps of half an octave being taken linearly: the exponent and the first bit of the
 /// mantissa of a float.
 inline constexpr float kTextureWeight = 0.88F;
-inline constexpr float kQuotientWeight = 1.25F;
+inline constexpr float kQuotientWeight = 1.0F;
 inline constexpr int kFirstClassBits = (127 << 1) + 1;  ///< of 1.5
 inline constexpr int kClassShift = 22;
 inline constexpr std::int16_t kQuotientLimit = 40;
