@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
+
+#include "codec/fast_terrain.h"
 
 namespace relief::codec::fast {
 
@@ -10,10 +11,6 @@ namespace {
 
 constexpr int kTopWeight = 49;  ///< of the commonest token; 1 is then 12 octaves below
 constexpr std::uint64_t kNever = std::uint64_t{1} << 56;  ///< the cost of what can not be coded
-
-constexpr std::array<TokenWeights, kClasses> kTerrain = {{
-#include "codec/fast_terrain.inc"
-}};
 
 /// 256 log2(x), rounded down, by squaring. Requires: x > 0.
 constexpr std::uint32_t log2_256(std::uint32_t x) {
