@@ -1,6 +1,11 @@
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "codec/fast_bits.h"
 #include "codec/fast_rows.h"
@@ -10,23 +15,29 @@
 #include "codec/lattice_level.h"
 #include "codec/rans.h"
 
-/// Chunks: docs/format.md, "Fast levels".
-namespace relief::codec {
+/// The chunk of a level, empty if all its quotients are 0:
+///
+///     bits    what changes in the token model: TokenModel::adapt
+///     2 bits  s: tokens are coded with 2^s states
+///     5 bits  w, then w bits: how many words follow; then zeros up to a whole byte
+///     words   of 16 bits, little-endian: the states, low word first, then what they shift in
+///     bits    sign and offset of each token that is not 0; zeros up to a whole byte
+///
+/// Rows are coded in the order of SampleRows, each padded with samples of the silent class to a
+/// multiple of 8; sample k of a row belongs to state k modulo 2^s.
+namespace relief::codec::fast {
 
 namespace {
 
-using namespace fast;
-
-/// Rows are padded with samples of the silent class to whole batches; sample k of a row belongs to
-/// state k modulo the number of states.
 constexpr std::int64_t kBatch = 8;
-constexpr int kMostStates = 8;
+constexpr std::size_t kMostStates = 8;
 
 std::int64_t padded(std::int64_t n) {
     return (n + kBatch - 1) / kBatch * kBatch;
 }
 
-/// The least magnitude of a token, and how many raw bits tell the sign, the lowest, and the rest.
+/// The least magnitude of a token; how many raw bits tell the sign, which is the lowest, and what
+/// is added to that magnitude.
 struct TokenRange {
     std::int32_t first;
     int bits;
@@ -44,6 +55,7 @@ constexpr std::array<TokenRange, kTokens> kRanges = [] {
     return ranges;
 }();
 
+/// Of one row, padded.
 struct RowBuffers {
     Buffer<std::int32_t> predictions;
     Buffer<std::int32_t> quotients;
@@ -111,12 +123,12 @@ class TokenCollector {
     }
 
     void add_row(const SampleRow& row, RowBuffers& buffers) {
-        std::int64_t n = padded(row.n);
+        const std::int64_t n = padded(row.n);
         std::uint8_t* tokens = buffers.tokens.data();
         std::fill(tokens + row.n, tokens + n, std::uint8_t{0});
         std::copy_n(buffers.classes.data(), n, classes_.data() + size_);
         std::copy_n(tokens, n, tokens_.data() + size_);
-        size_ += n;
+        size_ += static_cast<std::size_t>(n);
         const std::int64_t count = find_tokens(tokens, n, buffers.places.data());
         rest_.reserve(static_cast<std::size_t>(32 * count));
         for (std::int64_t k = 0; k < count; ++k) {
@@ -128,12 +140,10 @@ class TokenCollector {
 
     [[nodiscard]] bool all_zero() const { return all_zero_; }
 
+    /// Four tables in turn: adding twice in a row to one count would wait for the first sum.
     [[nodiscard]] ClassCounts counts() const {
-        std::vector<std::array<std::array<std::uint32_t, kTokens>, kClasses + 1>> parts(4);
-        for (std::int64_t k = 0; k < size_; ++k) {
-            const auto at = static_cast<std::size_t>(k);
-            ++parts[at % 4][classes_[at]][tokens_[at]];
-        }
+        std::vector<std::array<TokenCounts, kClasses + 1>> parts(4);
+        for (std::size_t k = 0; k < size_; ++k) ++parts[k % 4][classes_[k]][tokens_[k]];
         ClassCounts sums{};
         for (const auto& part : parts)
             for (std::size_t c = 0; c < kClasses; ++c)
@@ -141,33 +151,20 @@ class TokenCollector {
         return sums;
     }
 
-    /// Words, the states first, at the end of the buffer.
-    std::span<const std::uint16_t> encode(const TokenModel& model, int states,
-                                          Buffer<std::uint16_t>& words) const {
-        std::array<std::array<RansSymbol, kTokens>, kClasses + 1> symbols;
-        for (int c = 0; c < kClasses; ++c) {
-            const auto frequencies = model.frequencies(c);
-            std::uint32_t start = 0;
-            for (std::size_t t = 0; t < kTokens; ++t) {
-                if (frequencies[t] == 0) continue;
-                symbols[static_cast<std::size_t>(c)][t] = RansSymbol(start, frequencies[t]);
-                start += frequencies[t];
-            }
-        }
-        symbols[kSilent][0] = RansSymbol(0, kRansTotal);
-        words = Buffer<std::uint16_t>(static_cast<std::size_t>(size_) + 2 * kMostStates);
-        std::uint16_t* const stop = words.data() + words.size();
+    /// The words, at the end of `room`.
+    std::span<const std::uint16_t> encode(const TokenModel& model, std::size_t states,
+                                          Buffer<std::uint16_t>& room) const {
+        const auto symbols = symbols_of(model);
+        room = Buffer<std::uint16_t>(size_ + 2 * states);
+        std::uint16_t* const stop = room.data() + room.size();
         std::uint16_t* end = stop;
         std::array<std::uint32_t, kMostStates> state;
         state.fill(kRansLow);
-        for (std::int64_t k = size_; k-- > 0;) {
-            const auto at = static_cast<std::size_t>(k);
-            end = symbols[classes_[at]][tokens_[at]].encode(
-                state[at % static_cast<std::size_t>(states)], end);
-        }
-        for (int s = states; s-- > 0;) {
-            *--end = static_cast<std::uint16_t>(state[static_cast<std::size_t>(s)] >> 16);
-            *--end = static_cast<std::uint16_t>(state[static_cast<std::size_t>(s)]);
+        for (std::size_t k = size_; k-- > 0;)
+            end = symbols[classes_[k]][tokens_[k]].encode(state[k % states], end);
+        for (std::size_t s = states; s-- > 0;) {
+            *--end = static_cast<std::uint16_t>(state[s] >> 16);
+            *--end = static_cast<std::uint16_t>(state[s]);
         }
         return {end, stop};
     }
@@ -175,6 +172,22 @@ class TokenCollector {
     [[nodiscard]] std::span<const std::uint8_t> rest() const { return rest_.bytes(); }
 
   private:
+    using Symbols = std::array<std::array<RansSymbol, kTokens>, kClasses + 1>;
+
+    static Symbols symbols_of(const TokenModel& model) {
+        Symbols symbols;
+        for (std::size_t c = 0; c < kClasses; ++c) {
+            const TokenFrequencies frequencies = model.frequencies(c);
+            std::uint32_t start = 0;
+            for (std::size_t t = 0; t < kTokens; ++t) {
+                if (frequencies[t] > 0) symbols[c][t] = RansSymbol(start, frequencies[t]);
+                start += frequencies[t];
+            }
+        }
+        symbols[kSilent][0] = RansSymbol(0, kRansTotal);
+        return symbols;
+    }
+
     void put_rest(std::uint8_t token, std::int32_t quotient) {
         const TokenRange range = kRanges[token];
         const auto offset = static_cast<std::uint32_t>(std::abs(quotient) - range.first);
@@ -183,14 +196,14 @@ class TokenCollector {
 
     Buffer<std::uint8_t> classes_;
     Buffer<std::uint8_t> tokens_;
-    std::int64_t size_ = 0;
+    std::size_t size_ = 0;
     bool all_zero_ = true;
     BitWriter rest_;
 };
 
-/// Each state costs about three bytes; one percent of the chunk is worth the speed of more.
-int choose_log_states(std::uint64_t bytes) {
-    return bytes < 300 ? 0 : bytes < 600 ? 1 : bytes < 1200 ? 2 : 3;
+/// Each state more costs about three bytes, which is to be one percent of the chunk.
+int log_states_for(std::uint64_t bytes) {
+    return std::min(static_cast<int>(std::bit_width(bytes / 400)), 3);
 }
 
 Error damaged(const LatticeLevel& level) {
@@ -200,15 +213,14 @@ Error damaged(const LatticeLevel& level) {
 
 class TokenDecoder {
   public:
-    TokenDecoder(const TokenModel& model, int states, std::span<const std::uint8_t> words,
+    TokenDecoder(const TokenModel& model, std::size_t states, std::span<const std::uint8_t> words,
                  std::span<const std::uint8_t> rest)
         : tables_(kClasses + 1), states_(states), words_(words), rest_(rest) {
-        for (int c = 0; c < kClasses; ++c)
-            tables_[static_cast<std::size_t>(c)].set(model.frequencies(c));
+        for (std::size_t c = 0; c < kClasses; ++c) tables_[c].set(model.frequencies(c));
         tables_[kSilent].set({kRansTotal});
-        for (int s = 0; s < states; ++s) {
+        for (std::size_t s = 0; s < states; ++s) {
             const std::uint32_t low = words_.next();
-            state_[static_cast<std::size_t>(s)] = low | std::uint32_t{words_.next()} << 16;
+            state_[s] = low | std::uint32_t{words_.next()} << 16;
         }
     }
 
@@ -235,7 +247,7 @@ class TokenDecoder {
 
     [[nodiscard]] bool at_end() const {
         return words_.at_end() && rest_.at_end() &&
-               std::all_of(state_.begin(), state_.begin() + states_,
+               std::all_of(state_.data(), state_.data() + states_,
                            [](std::uint32_t state) { return state == kRansLow; });
     }
 
@@ -279,7 +291,7 @@ class TokenDecoder {
     }
 
     std::vector<RansTable<kTokens>> tables_;
-    int states_;
+    std::size_t states_;
     std::array<std::uint32_t, kMostStates> state_{};
     RansWords words_;
     BitReader rest_;
@@ -311,23 +323,19 @@ void FastCodec::encode(LatticeLevel& level, GridView<const std::int32_t> source,
     });
     if (collector.all_zero()) return;
     const ClassCounts counts = collector.counts();
-    BitWriter tables;
-    model_.adapt(counts, tables);
+    BitWriter head;
+    model_.adapt(counts, head);
     const auto rest = collector.rest();
-    const int log_states = choose_log_states(cost_of(counts, model_) / (8 * 256) + rest.size());
-    Buffer<std::uint16_t> words;
-    const auto coded = collector.encode(model_, 1 << log_states, words);
-    const auto count = static_cast<std::uint32_t>(coded.size());
+    const int log_states = log_states_for(cost_of(counts, model_) / (8 * 256) + rest.size());
+    Buffer<std::uint16_t> room;
+    const auto words = collector.encode(model_, std::size_t{1} << log_states, room);
+    const auto count = static_cast<std::uint32_t>(words.size());
     const int width = std::bit_width(count);
-    tables.put(static_cast<std::uint32_t>(log_states), 2);
-    tables.put(static_cast<std::uint32_t>(width), 5);
-    tables.put(count, width);
-    const auto head = tables.bytes();
-    out.insert(out.end(), head.begin(), head.end());
-    for (const std::uint16_t word : coded) {
-        out.push_back(static_cast<std::uint8_t>(word));
-        out.push_back(static_cast<std::uint8_t>(word >> 8));
-    }
+    head.put(static_cast<std::uint32_t>(log_states), 2);
+    head.put(static_cast<std::uint32_t>(width), 5);
+    head.put(count, width);
+    out.insert(out.end(), head.bytes().begin(), head.bytes().end());
+    for (const std::uint16_t word : words) put(out, word);
     out.insert(out.end(), rest.begin(), rest.end());
 }
 
@@ -340,7 +348,7 @@ Status FastCodec::decode(LatticeLevel& level, std::span<const std::uint8_t> byte
     BitReader head(bytes);
     TokenModel model = model_;
     if (!model.read(head)) return damaged(level);
-    const int states = 1 << head.get(2);
+    const std::size_t states = std::size_t{1} << head.get(2);
     const std::uint64_t count = head.get(static_cast<int>(head.get(5)));
     const auto body = head.rest();
     if (body.size() / 2 < count) return damaged(level);
@@ -355,8 +363,12 @@ Status FastCodec::decode(LatticeLevel& level, std::span<const std::uint8_t> byte
 
 }  // namespace
 
+}  // namespace relief::codec::fast
+
+namespace relief::codec {
+
 std::unique_ptr<LevelCodec> make_fast_codec() {
-    return std::make_unique<FastCodec>();
+    return std::make_unique<fast::FastCodec>();
 }
 
 }  // namespace relief::codec

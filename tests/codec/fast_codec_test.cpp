@@ -405,11 +405,11 @@ TEST(TokenModel, ReadsTheChoiceItWrote) {
         fast::BitReader reader(bits.bytes());
         ASSERT_TRUE(decoder.read(reader));
         EXPECT_TRUE(reader.at_end());
-        for (int c = 0; c < fast::kClasses; ++c) {
+        for (std::size_t c = 0; c < fast::kClasses; ++c) {
             const auto frequencies = encoder.frequencies(c);
             ASSERT_EQ(frequencies, decoder.frequencies(c));
             for (std::size_t t = 0; t < frequencies.size(); ++t)
-                EXPECT_GE(frequencies[t] > 0, counts[static_cast<std::size_t>(c)][t] > 0);
+                EXPECT_GE(frequencies[t] > 0, counts[c][t] > 0);
         }
     }
 }
