@@ -35,7 +35,10 @@ class TokenModel {
     }
 
     /// Chooses, in bits of tokens and of their description together, between keeping each
-    /// distribution, going back to the first and sending a new one; writes the choice.
+    /// distribution, going back to the first and sending a new one; writes the choice. One bit:
+    /// all go back; one bit: some are new; then a bit for each class, and for new ones, all as
+    /// differences from the known ones: the last token that occurs and the weights up to it, in
+    /// exponential Golomb codes of 0, -1, 1, -2, 2 ..
     void adapt(const ClassCounts& counts, BitWriter& bits);
 
     /// Reads what adapt() wrote. False: no encoder writes that.

@@ -414,6 +414,24 @@ TEST(TokenModel, ReadsTheChoiceItWrote) {
     }
 }
 
+/// The bytes of the format, which must not change: three levels of integers, with a hole.
+TEST(FastCodec, WritesTheBytesOfTheFormat) {
+    Source s{Samples(11, 13), Mask(11, 13, 1), 3, 3, 0, 200};
+    for (std::int64_t r = 0; r < 11; ++r)
+        for (std::int64_t c = 0; c < 13; ++c)
+            s.samples(r, c) = static_cast<std::int32_t>(100 + 3 * r - c * c / 2 + r * c * 7 % 11);
+    s.mask(3, 4) = 0;
+    std::string text;
+    for (const Chunk& chunk : encode(s).chunks) {
+        for (const std::uint8_t byte : chunk)
+            for (const int digit : {byte >> 4, byte & 15}) text += "0123456789abcdef"[digit];
+        text += ' ';
+    }
+    EXPECT_EQ(text,
+              "3008e58f4100f90f0f0c5202 300adb4e8e18883d62ec89bce0eb15 "
+              "401c618fbe185fdf645c34af7376755e1315fe2911dc3f893cafeac70c4d109fd12c0faaae20a619 ");
+}
+
 /// 48 samples, most of them 0: tables and states take less than 10 bytes.
 TEST(FastCodec, TinyLevelsPayLittleForTables) {
     const Source s = make_source({.rows = 8, .cols = 8, .levels = 1, .step = 41, .noise = 25});
