@@ -1,32 +1,43 @@
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "codec/fast_bits.h"
-#include "codec/fast_planes.h"
 #include "codec/fast_rows.h"
+#include "codec/fast_samples.h"
 #include "codec/fast_tokens.h"
 #include "codec/lattice_fill.h"
 #include "codec/lattice_level.h"
 #include "codec/rans.h"
 
-/// Chunks: docs/format.md, "Fast levels".
-namespace relief::codec {
+/// The chunk of a level, empty if all its quotients are 0:
+///
+///     bits    what changes in the token model: TokenModel::adapt
+///     2 bits  s: tokens are coded with 2^s states
+///     5 bits  w, then w bits: how many words follow; then zeros up to a whole byte
+///     words   of 16 bits, little-endian: the states, low word first, then what they shift in
+///     bits    sign and offset of each token that is not 0; zeros up to a whole byte
+///
+/// Rows are coded in the order of SampleRows, each padded with samples of the silent class to a
+/// multiple of 8; sample k of a row belongs to state k modulo 2^s.
+namespace relief::codec::fast {
 
 namespace {
 
-using namespace fast;
-
-/// Rows are padded with samples of the silent class to whole batches; sample k of a row belongs to
-/// state k modulo the number of states.
 constexpr std::int64_t kBatch = 8;
-constexpr int kMostStates = 8;
+constexpr std::size_t kMostStates = 8;
 
 std::int64_t padded(std::int64_t n) {
     return (n + kBatch - 1) / kBatch * kBatch;
 }
 
-/// What the magnitudes of a token have in common, and the raw bits that tell the rest.
+/// The least magnitude of a token; how many raw bits tell the sign, which is the lowest, and what
+/// is added to that magnitude.
 struct TokenRange {
     std::int32_t first;
     int bits;
@@ -37,13 +48,14 @@ constexpr std::array<TokenRange, kTokens> kRanges = [] {
     std::int32_t first = 0;
     for (int t = 0; t < kTokens; ++t) {
         const int bits = t < kOwnTokens ? 0 : 1 + (t - kOwnTokens) / 2;
-        ranges[static_cast<std::size_t>(t)] = {first, bits};
+        ranges[static_cast<std::size_t>(t)] = {first, t == 0 ? 0 : bits + 1};
         first += 1 << bits;
     }
-    ranges.back().bits = 30;
+    ranges.back().bits = 31;
     return ranges;
 }();
 
+/// Of one row, padded.
 struct RowBuffers {
     Buffer<std::int32_t> predictions;
     Buffer<std::int32_t> quotients;
@@ -62,14 +74,7 @@ struct RowBuffers {
     static std::size_t size(std::int64_t cols) { return static_cast<std::size_t>(padded(cols)); }
 };
 
-/// Row r of a level, of which the columns col0, col0 + 2, .. are coded.
-struct CodedRow {
-    std::int64_t r;
-    std::int64_t col0;
-    std::int64_t n;
-};
-
-void silence(const LatticeLevel& level, const CodedRow& row, std::uint8_t* classes) {
+void silence(const LatticeLevel& level, const SampleRow& row, std::uint8_t* classes) {
     std::fill(classes + row.n, classes + padded(row.n), kSilent);
     if (level.all_valid) return;
     const std::uint8_t* valid = level.valid.row(row.r) + row.col0;
@@ -77,29 +82,19 @@ void silence(const LatticeLevel& level, const CodedRow& row, std::uint8_t* class
         if (!valid[2 * k]) classes[k] = kSilent;
 }
 
-/// The order of the samples, for encoder and decoder: code(row, buffers) makes the quotients of a
-/// row from its predictions and classes.
+/// What encoder and decoder share: code(row, buffers) makes the quotients of a row from its
+/// predictions and classes.
 template <class Code>
 void code_level(LatticeLevel& level, const RowRule& rule, Code code) {
-    LatticePlanes planes(level, rule);
     RowBuffers buffers((level.cols() + 1) / 2);
-    const auto code_row = [&](const CodedRow& row, const Neighbours& neighbours,
-                              std::int32_t* values, std::int16_t* kept) {
+    SampleRows(level, rule).for_each([&](const SampleRow& row) {
         std::int32_t* predictions = buffers.predictions.data();
-        predict_row(neighbours, row.n, rule, predictions, buffers.classes.data());
+        predict_row(row.neighbours, row.n, rule, predictions, buffers.classes.data());
         silence(level, row, buffers.classes.data());
         code(row, buffers);
-        reconstruct_row(predictions, buffers.quotients.data(), row.n, rule, values, kept);
-    };
-    for (std::int64_t i = 0; i < planes.diagonal_rows(); ++i)
-        code_row({2 * i + 1, 1, planes.diagonal_cols()}, planes.diagonal_neighbours(i),
-                 planes.diagonal_values(i), planes.diagonal_quotients(i));
-    for (std::int64_t r = 0; r < level.rows(); ++r) {
-        code_row({r, 1 - r % 2, planes.edge_cols(r)}, planes.edge_neighbours(r),
-                 planes.edge_values(r), planes.edge_quotients(r));
-        planes.merge_row(r, level);
-    }
-    fill_edge_margins(level);
+        reconstruct_row(predictions, buffers.quotients.data(), row.n, rule, row.values,
+                        row.quotients);
+    });
 }
 
 /// Writes the places of the tokens that are not 0, and returns how many they are.
@@ -109,9 +104,9 @@ std::int64_t find_tokens(const std::uint8_t* tokens, std::int64_t n, std::int32_
         std::uint64_t batch = 0;
         std::memcpy(&batch, tokens + k, sizeof batch);
         if (batch == 0) continue;
-        for (std::int64_t s = 0; s < kBatch; ++s) {
-            places[count] = static_cast<std::int32_t>(k + s);
-            count += tokens[k + s] != 0;
+        for (std::int64_t s = k; s < k + kBatch; ++s) {
+            places[count] = static_cast<std::int32_t>(s);
+            count += tokens[s] != 0;
         }
     }
     return count;
@@ -127,27 +122,28 @@ class TokenCollector {
         tokens_ = Buffer<std::uint8_t>(most);
     }
 
-    void add_row(const CodedRow& row, RowBuffers& buffers) {
-        std::int64_t n = padded(row.n);
+    void add_row(const SampleRow& row, RowBuffers& buffers) {
+        const std::int64_t n = padded(row.n);
         std::uint8_t* tokens = buffers.tokens.data();
         std::fill(tokens + row.n, tokens + n, std::uint8_t{0});
         std::copy_n(buffers.classes.data(), n, classes_.data() + size_);
         std::copy_n(tokens, n, tokens_.data() + size_);
-        size_ += n;
+        size_ += static_cast<std::size_t>(n);
         const std::int64_t count = find_tokens(tokens, n, buffers.places.data());
-        for (std::int64_t k = 0; k < count; ++k)
-            put_rest(buffers, buffers.places[static_cast<std::size_t>(k)]);
-        nonzero_ += count;
+        rest_.reserve(static_cast<std::size_t>(32 * count));
+        for (std::int64_t k = 0; k < count; ++k) {
+            const std::int32_t place = buffers.places[static_cast<std::size_t>(k)];
+            put_rest(tokens[place], buffers.quotients[static_cast<std::size_t>(place)]);
+        }
+        all_zero_ &= count == 0;
     }
 
-    [[nodiscard]] bool all_zero() const { return nonzero_ == 0; }
+    [[nodiscard]] bool all_zero() const { return all_zero_; }
 
+    /// Four tables in turn: adding twice in a row to one count would wait for the first sum.
     [[nodiscard]] ClassCounts counts() const {
-        std::vector<std::array<std::array<std::uint32_t, kTokens>, kClasses + 1>> parts(4);
-        for (std::int64_t k = 0; k < size_; ++k) {
-            const auto at = static_cast<std::size_t>(k);
-            ++parts[at % 4][classes_[at]][tokens_[at]];
-        }
+        std::vector<std::array<TokenCounts, kClasses + 1>> parts(4);
+        for (std::size_t k = 0; k < size_; ++k) ++parts[k % 4][classes_[k]][tokens_[k]];
         ClassCounts sums{};
         for (const auto& part : parts)
             for (std::size_t c = 0; c < kClasses; ++c)
@@ -155,58 +151,59 @@ class TokenCollector {
         return sums;
     }
 
-    /// Words, the states first, at the end of the buffer.
-    std::span<const std::uint16_t> encode(const TokenModel& model, int states,
-                                          Buffer<std::uint16_t>& words) const {
-        std::array<std::array<RansSymbol, kTokens>, kClasses + 1> symbols;
-        for (int c = 0; c < kClasses; ++c) {
-            const auto frequencies = model.frequencies(c);
-            std::uint32_t start = 0;
-            for (std::size_t t = 0; t < kTokens; ++t) {
-                if (frequencies[t] == 0) continue;
-                symbols[static_cast<std::size_t>(c)][t] = RansSymbol(start, frequencies[t]);
-                start += frequencies[t];
-            }
-        }
-        symbols[kSilent][0] = RansSymbol(0, kRansTotal);
-        words = Buffer<std::uint16_t>(static_cast<std::size_t>(size_) + 2 * kMostStates);
-        std::uint16_t* const stop = words.data() + words.size();
+    /// The words, at the end of `room`.
+    std::span<const std::uint16_t> encode(const TokenModel& model, std::size_t states,
+                                          Buffer<std::uint16_t>& room) const {
+        const auto symbols = symbols_of(model);
+        room = Buffer<std::uint16_t>(size_ + 2 * states);
+        std::uint16_t* const stop = room.data() + room.size();
         std::uint16_t* end = stop;
         std::array<std::uint32_t, kMostStates> state;
         state.fill(kRansLow);
-        for (std::int64_t k = size_; k-- > 0;) {
-            const auto at = static_cast<std::size_t>(k);
-            end = symbols[classes_[at]][tokens_[at]].encode(
-                state[at % static_cast<std::size_t>(states)], end);
-        }
-        for (int s = states; s-- > 0;) {
-            *--end = static_cast<std::uint16_t>(state[static_cast<std::size_t>(s)] >> 16);
-            *--end = static_cast<std::uint16_t>(state[static_cast<std::size_t>(s)]);
+        for (std::size_t k = size_; k-- > 0;)
+            end = symbols[classes_[k]][tokens_[k]].encode(state[k % states], end);
+        for (std::size_t s = states; s-- > 0;) {
+            *--end = static_cast<std::uint16_t>(state[s] >> 16);
+            *--end = static_cast<std::uint16_t>(state[s]);
         }
         return {end, stop};
     }
 
-    std::vector<std::uint8_t> finish_rest() { return rest_.finish(); }
+    [[nodiscard]] std::span<const std::uint8_t> rest() const { return rest_.bytes(); }
 
   private:
-    void put_rest(const RowBuffers& buffers, std::int32_t place) {
-        const auto at = static_cast<std::size_t>(place);
-        const std::int32_t quotient = buffers.quotients[at];
-        const TokenRange range = kRanges[buffers.tokens[at]];
+    using Symbols = std::array<std::array<RansSymbol, kTokens>, kClasses + 1>;
+
+    static Symbols symbols_of(const TokenModel& model) {
+        Symbols symbols;
+        for (std::size_t c = 0; c < kClasses; ++c) {
+            const TokenFrequencies frequencies = model.frequencies(c);
+            std::uint32_t start = 0;
+            for (std::size_t t = 0; t < kTokens; ++t) {
+                if (frequencies[t] > 0) symbols[c][t] = RansSymbol(start, frequencies[t]);
+                start += frequencies[t];
+            }
+        }
+        symbols[kSilent][0] = RansSymbol(0, kRansTotal);
+        return symbols;
+    }
+
+    void put_rest(std::uint8_t token, std::int32_t quotient) {
+        const TokenRange range = kRanges[token];
         const auto offset = static_cast<std::uint32_t>(std::abs(quotient) - range.first);
-        rest_.put(offset << 1 | (quotient < 0 ? 1U : 0U), range.bits + 1);
+        rest_.put(offset << 1 | (quotient < 0 ? 1U : 0U), range.bits);
     }
 
     Buffer<std::uint8_t> classes_;
     Buffer<std::uint8_t> tokens_;
-    std::int64_t size_ = 0;
-    std::int64_t nonzero_ = 0;
+    std::size_t size_ = 0;
+    bool all_zero_ = true;
     BitWriter rest_;
 };
 
-/// Each state costs about three bytes; one percent of the chunk is worth the speed of more.
-int choose_log_states(std::uint64_t bytes) {
-    return bytes < 300 ? 0 : bytes < 600 ? 1 : bytes < 1200 ? 2 : 3;
+/// Each state more costs about three bytes, which is to be one percent of the chunk.
+int log_states_for(std::uint64_t bytes) {
+    return std::min(static_cast<int>(std::bit_width(bytes / 400)), 3);
 }
 
 Error damaged(const LatticeLevel& level) {
@@ -216,19 +213,18 @@ Error damaged(const LatticeLevel& level) {
 
 class TokenDecoder {
   public:
-    TokenDecoder(const TokenModel& model, int states, std::span<const std::uint8_t> words,
+    TokenDecoder(const TokenModel& model, std::size_t states, std::span<const std::uint8_t> words,
                  std::span<const std::uint8_t> rest)
         : tables_(kClasses + 1), states_(states), words_(words), rest_(rest) {
-        for (int c = 0; c < kClasses; ++c)
-            tables_[static_cast<std::size_t>(c)].set(model.frequencies(c));
+        for (std::size_t c = 0; c < kClasses; ++c) tables_[c].set(model.frequencies(c));
         tables_[kSilent].set({kRansTotal});
-        for (int s = 0; s < states; ++s) {
+        for (std::size_t s = 0; s < states; ++s) {
             const std::uint32_t low = words_.next();
-            state_[static_cast<std::size_t>(s)] = low | std::uint32_t{words_.next()} << 16;
+            state_[s] = low | std::uint32_t{words_.next()} << 16;
         }
     }
 
-    void decode_row(const CodedRow& row, RowBuffers& buffers) {
+    void decode_row(const SampleRow& row, RowBuffers& buffers) {
         const std::uint8_t* classes = buffers.classes.data();
         std::uint8_t* tokens = buffers.tokens.data();
         const std::int64_t n = padded(row.n);
@@ -245,20 +241,13 @@ class TokenDecoder {
             default:
                 decode_tokens<8>(classes, n, tokens);
         }
-        std::fill_n(buffers.quotients.data(), row.n, 0);
         const std::int64_t count = find_tokens(tokens, n, buffers.places.data());
-        for (std::int64_t k = 0; k < count; ++k) {
-            const auto at = static_cast<std::size_t>(buffers.places[static_cast<std::size_t>(k)]);
-            const TokenRange range = kRanges[tokens[at]];
-            const std::uint32_t bits = rest_.get(range.bits + 1);
-            const std::int32_t magnitude = range.first + static_cast<std::int32_t>(bits >> 1);
-            buffers.quotients[at] = bits & 1 ? -magnitude : magnitude;
-        }
+        decode_quotients(tokens, buffers.places.data(), count, row.n, buffers.quotients.data());
     }
 
     [[nodiscard]] bool at_end() const {
         return words_.at_end() && rest_.at_end() &&
-               std::all_of(state_.begin(), state_.begin() + states_,
+               std::all_of(state_.data(), state_.data() + states_,
                            [](std::uint32_t state) { return state == kRansLow; });
     }
 
@@ -288,8 +277,21 @@ class TokenDecoder {
         }
     }
 
+    void decode_quotients(const std::uint8_t* tokens, const std::int32_t* places,
+                          std::int64_t count, std::int64_t n, std::int32_t* quotients) {
+        std::fill_n(quotients, n, 0);
+        BitReader rest = rest_;
+        for (std::int64_t k = 0; k < count; ++k) {
+            const TokenRange range = kRanges[tokens[places[k]]];
+            const std::uint32_t bits = rest.get(range.bits);
+            const std::int32_t magnitude = range.first + static_cast<std::int32_t>(bits >> 1);
+            quotients[places[k]] = bits & 1 ? -magnitude : magnitude;
+        }
+        rest_ = rest;
+    }
+
     std::vector<RansTable<kTokens>> tables_;
-    int states_;
+    std::size_t states_;
     std::array<std::uint32_t, kMostStates> state_{};
     RansWords words_;
     BitReader rest_;
@@ -313,7 +315,7 @@ void FastCodec::encode(LatticeLevel& level, GridView<const std::int32_t> source,
     const RowRule rule(level.lowest, level.highest, level.step);
     TokenCollector collector(level);
     Buffer<std::int32_t> sources(static_cast<std::size_t>(level.cols() + 1) / 2);
-    code_level(level, rule, [&](const CodedRow& row, RowBuffers& buffers) {
+    code_level(level, rule, [&](const SampleRow& row, RowBuffers& buffers) {
         split_values(source.row(row.r) + row.col0, row.n, rule, sources.data());
         quantise_row(sources.data(), buffers.predictions.data(), buffers.classes.data(), row.n,
                      rule, buffers.quotients.data(), buffers.tokens.data());
@@ -321,23 +323,19 @@ void FastCodec::encode(LatticeLevel& level, GridView<const std::int32_t> source,
     });
     if (collector.all_zero()) return;
     const ClassCounts counts = collector.counts();
-    BitWriter tables;
-    model_.adapt(counts, tables);
-    std::vector<std::uint8_t> rest = collector.finish_rest();
-    const int log_states = choose_log_states(cost_of(counts, model_) / (8 * 256) + rest.size());
-    Buffer<std::uint16_t> words;
-    const auto coded = collector.encode(model_, 1 << log_states, words);
-    const auto count = static_cast<std::uint32_t>(coded.size());
+    BitWriter head;
+    model_.adapt(counts, head);
+    const auto rest = collector.rest();
+    const int log_states = log_states_for(cost_of(counts, model_) / (8 * 256) + rest.size());
+    Buffer<std::uint16_t> room;
+    const auto words = collector.encode(model_, std::size_t{1} << log_states, room);
+    const auto count = static_cast<std::uint32_t>(words.size());
     const int width = std::bit_width(count);
-    tables.put(static_cast<std::uint32_t>(log_states), 2);
-    tables.put(static_cast<std::uint32_t>(width), 5);
-    tables.put(count, width);
-    const std::vector<std::uint8_t> head = tables.finish();
-    out.insert(out.end(), head.begin(), head.end());
-    for (const std::uint16_t word : coded) {
-        out.push_back(static_cast<std::uint8_t>(word));
-        out.push_back(static_cast<std::uint8_t>(word >> 8));
-    }
+    head.put(static_cast<std::uint32_t>(log_states), 2);
+    head.put(static_cast<std::uint32_t>(width), 5);
+    head.put(count, width);
+    out.insert(out.end(), head.bytes().begin(), head.bytes().end());
+    for (const std::uint16_t word : words) put(out, word);
     out.insert(out.end(), rest.begin(), rest.end());
 }
 
@@ -350,13 +348,14 @@ Status FastCodec::decode(LatticeLevel& level, std::span<const std::uint8_t> byte
     BitReader head(bytes);
     TokenModel model = model_;
     if (!model.read(head)) return damaged(level);
-    const int states = 1 << head.get(2);
+    const std::size_t states = std::size_t{1} << head.get(2);
     const std::uint64_t count = head.get(static_cast<int>(head.get(5)));
-    const auto body = head.following_bytes();
+    const auto body = head.rest();
     if (body.size() / 2 < count) return damaged(level);
     TokenDecoder decoder(model, states, body.first(2 * count), body.subspan(2 * count));
-    code_level(level, rule,
-               [&](const CodedRow& row, RowBuffers& buffers) { decoder.decode_row(row, buffers); });
+    code_level(level, rule, [&](const SampleRow& row, RowBuffers& buffers) {
+        decoder.decode_row(row, buffers);
+    });
     if (!decoder.at_end()) return damaged(level);
     model_ = model;
     return {};
@@ -364,8 +363,12 @@ Status FastCodec::decode(LatticeLevel& level, std::span<const std::uint8_t> byte
 
 }  // namespace
 
+}  // namespace relief::codec::fast
+
+namespace relief::codec {
+
 std::unique_ptr<LevelCodec> make_fast_codec() {
-    return std::make_unique<FastCodec>();
+    return std::make_unique<fast::FastCodec>();
 }
 
 }  // namespace relief::codec

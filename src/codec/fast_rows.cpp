@@ -16,18 +16,18 @@
 
 namespace relief::codec::fast {
 
-/// Class c > 0 begins where the expected size, in units of the step, reaches 2^(c / 2) times a
-/// constant, steps of half an octave being taken linearly: the exponent and the first bit of the
-/// mantissa of a float.
+/// The size of quotients that is expected, kTextureWeight texture / step + kQuotientWeight times
+/// the sum of quotients around, in classes of half an octave: 0 below 1.5, then from 1.5, 2, 3, 4,
+/// 6, 8 .., which the exponent and the first bit of the mantissa of a float tell.
 inline constexpr float kTextureWeight = 0.88F;
-inline constexpr float kQuotientWeight = 1.25F;
-inline constexpr int kFirstClassBits = (127 << 1) + 1;  ///< of 1.5
-inline constexpr int kClassShift = 22;
+inline constexpr float kQuotientWeight = 1.0F;
+inline constexpr int kHalfOctaveShift = 22;
+inline constexpr int kClassZeroBits = 127 << 1;  ///< of 1, the last half octave of class 0
 inline constexpr std::int16_t kQuotientLimit = 40;
 inline constexpr std::int32_t kTextureLimit = 1 << 30;
 inline constexpr std::int16_t kKeptLimit = 30000;
 
-/// Exponent and first bit of the mantissa of |q| - 1 = 4: the first token that is shared.
+/// The same bits of |q| - 1 = 4, the first magnitude that shares its token, less that token.
 inline constexpr std::int32_t kFirstSharedBits = (129 << 1) - kOwnTokens;
 
 /// The low bits of large numbers, which rounding to float could carry into the exponent.
@@ -90,9 +90,9 @@ void predict_scalar(const Neighbours& at, std::int64_t n, const RowRule& rule,
             const float size = static_cast<float>(std::min<std::int64_t>(texture, kTextureLimit)) *
                                    texture_weight +
                                static_cast<float>(quotients) * kQuotientWeight;
-            const std::int32_t bits = std::bit_cast<std::int32_t>(size) >> kClassShift;
+            const std::int32_t bits = std::bit_cast<std::int32_t>(size) >> kHalfOctaveShift;
             classes[k] =
-                static_cast<std::uint8_t>(std::clamp(bits - kFirstClassBits + 1, 0, kClasses - 1));
+                static_cast<std::uint8_t>(std::clamp(bits - kClassZeroBits, 0, kClasses - 1));
         }
     }
 }
@@ -101,7 +101,7 @@ inline std::uint8_t token_of(std::int32_t magnitude) {
     if (magnitude < kOwnTokens) return static_cast<std::uint8_t>(magnitude);
     const auto rest = static_cast<float>(without_tail(magnitude - 1));
     return static_cast<std::uint8_t>(std::min(
-        (std::bit_cast<std::int32_t>(rest) >> kClassShift) - kFirstSharedBits, kTokens - 1));
+        (std::bit_cast<std::int32_t>(rest) >> kHalfOctaveShift) - kFirstSharedBits, kTokens - 1));
 }
 
 inline void quantise_scalar(const std::int32_t* sources, const std::int32_t* predictions,
@@ -260,8 +260,8 @@ HWY_INLINE void store_classes(D32 d32, hn::Vec<D32> texture, hn::Vec<D32> quotie
     const hn::Rebind<std::uint8_t, D32> d8;
     const auto size = hn::Add(hn::Mul(hn::ConvertTo(df, texture), hn::Set(df, texture_weight)),
                               hn::Mul(hn::ConvertTo(df, quotients), hn::Set(df, kQuotientWeight)));
-    const auto bits = hn::ShiftRight<kClassShift>(hn::BitCast(d32, size));
-    const auto unclamped = hn::Sub(bits, hn::Set(d32, kFirstClassBits - 1));
+    const auto bits = hn::ShiftRight<kHalfOctaveShift>(hn::BitCast(d32, size));
+    const auto unclamped = hn::Sub(bits, hn::Set(d32, kClassZeroBits));
     const auto clamped = hn::Min(hn::Max(unclamped, hn::Zero(d32)), hn::Set(d32, kClasses - 1));
     hn::StoreU(hn::DemoteTo(d8, clamped), d8, classes);
 }
@@ -329,7 +329,7 @@ HWY_INLINE hn::Vec<D32> tokens_of(D32 d, hn::Vec<D32> magnitudes) {
     const hn::Rebind<float, D32> df;
     const auto rest = hn::Sub(magnitudes, hn::Set(d, 1));
     const auto exact = hn::AndNot(hn::ShiftRight<8>(rest), rest);
-    const auto bits = hn::ShiftRight<kClassShift>(hn::BitCast(d, hn::ConvertTo(df, exact)));
+    const auto bits = hn::ShiftRight<kHalfOctaveShift>(hn::BitCast(d, hn::ConvertTo(df, exact)));
     const auto shared =
         hn::Min(hn::Sub(bits, hn::Set(d, kFirstSharedBits)), hn::Set(d, kTokens - 1));
     return hn::IfThenElse(hn::Lt(magnitudes, hn::Set(d, kOwnTokens)), magnitudes, shared);

@@ -8,7 +8,7 @@
 /// Source: codec-closed-loop, section 7; docs/codec.md.
 namespace relief::codec::fast {
 
-inline constexpr int kClasses = 16;
+inline constexpr int kClasses = 24;
 /// The class of holes and of the padding behind a row: always q = 0, coded in no bits.
 inline constexpr std::uint8_t kSilent = kClasses;
 

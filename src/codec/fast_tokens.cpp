@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
+
+#include "codec/fast_terrain.h"
 
 namespace relief::codec::fast {
 
@@ -10,10 +11,6 @@ namespace {
 
 constexpr int kTopWeight = 49;  ///< of the commonest token; 1 is then 12 octaves below
 constexpr std::uint64_t kNever = std::uint64_t{1} << 56;  ///< the cost of what can not be coded
-
-constexpr std::array<TokenWeights, kClasses> kTerrain = {{
-#include "codec/fast_terrain.inc"
-}};
 
 /// 256 log2(x), rounded down, by squaring. Requires: x > 0.
 constexpr std::uint32_t log2_256(std::uint32_t x) {
@@ -119,7 +116,7 @@ bool read_weights(BitReader& bits, TokenWeights& weights) {
 
 }  // namespace
 
-std::array<std::uint16_t, kTokens> frequencies_of(const TokenWeights& weights) {
+TokenFrequencies frequencies_of(const TokenWeights& weights) {
     constexpr std::array<std::uint32_t, 4> quarter = {256, 304, 362, 431};  // 2^(8 + k / 4)
     std::array<std::uint64_t, kTokens> parts{};
     std::uint64_t sum = 0;
@@ -128,7 +125,7 @@ std::array<std::uint16_t, kTokens> frequencies_of(const TokenWeights& weights) {
         parts[t] = std::uint64_t{quarter[weights[t] % 4]} << (weights[t] / 4);
         sum += parts[t];
     }
-    std::array<std::uint16_t, kTokens> frequencies{};
+    TokenFrequencies frequencies{};
     std::uint32_t rest = kRansTotal;
     for (std::size_t t = 0; t < kTokens; ++t) {
         if (weights[t] == 0) continue;
@@ -177,6 +174,7 @@ void TokenModel::adapt(const ClassCounts& counts, BitWriter& bits) {
     const Plan& best = restart ? anew : here;
     if (restart) weights_ = kTerrain;
     const bool any = std::find(best.sent.begin(), best.sent.end(), true) != best.sent.end();
+    bits.reserve(kClasses * (2 * kTokens * 16));
     bits.put(restart, 1);
     bits.put(any, 1);
     for (std::size_t c = 0; any && c < kClasses; ++c) {
@@ -197,10 +195,10 @@ bool TokenModel::read(BitReader& bits) {
 
 std::uint64_t cost_of(const ClassCounts& counts, const TokenModel& model) {
     std::uint64_t sum = 0;
-    for (int c = 0; c < kClasses; ++c) {
-        const auto frequencies = model.frequencies(c);
+    for (std::size_t c = 0; c < kClasses; ++c) {
+        const TokenFrequencies frequencies = model.frequencies(c);
         for (std::size_t t = 0; t < kTokens; ++t)
-            sum += std::uint64_t{counts[static_cast<std::size_t>(c)][t]} * costs()[frequencies[t]];
+            sum += std::uint64_t{counts[c][t]} * costs()[frequencies[t]];
     }
     return sum;
 }

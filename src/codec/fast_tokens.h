@@ -18,9 +18,11 @@ using ClassCounts = std::array<TokenCounts, kClasses>;
 /// that can be told, 0 for tokens that do not occur.
 using TokenWeights = std::array<std::uint8_t, kTokens>;
 
+using TokenFrequencies = std::array<std::uint16_t, kTokens>;
+
 /// Shares of kRansTotal in proportion to 2^(weight / 4); at least 1 for tokens that occur.
 /// Requires: one does, weights are at most kLargestWeight.
-std::array<std::uint16_t, kTokens> frequencies_of(const TokenWeights& weights);
+TokenFrequencies frequencies_of(const TokenWeights& weights);
 inline constexpr std::uint8_t kLargestWeight = 63;
 
 /// The distributions of all classes, as encoder and decoder know them from one level to the next.
@@ -28,12 +30,15 @@ class TokenModel {
   public:
     TokenModel();  ///< those of typical terrain
 
-    [[nodiscard]] std::array<std::uint16_t, kTokens> frequencies(int c) const {
-        return frequencies_of(weights_[static_cast<std::size_t>(c)]);
+    [[nodiscard]] TokenFrequencies frequencies(std::size_t c) const {
+        return frequencies_of(weights_[c]);
     }
 
     /// Chooses, in bits of tokens and of their description together, between keeping each
-    /// distribution, going back to the first and sending a new one; writes the choice.
+    /// distribution, going back to the first and sending a new one; writes the choice. One bit:
+    /// all go back; one bit: some are new; then a bit for each class, and for new ones, all as
+    /// differences from the known ones: the last token that occurs and the weights up to it, in
+    /// exponential Golomb codes of 0, -1, 1, -2, 2 ..
     void adapt(const ClassCounts& counts, BitWriter& bits);
 
     /// Reads what adapt() wrote. False: no encoder writes that.

@@ -7,6 +7,8 @@
 #include <cstring>
 #include <span>
 
+#include "codec/little_endian.h"
+
 /// Range asymmetric numeral systems with static frequencies: states of 32 bits, words of 16,
 /// several states in rotation that share one stream of words. The encoder goes backwards and fills
 /// the words from their end. Source: codec-closed-loop, section 7; J. Duda, "Asymmetric numeral
@@ -92,10 +94,9 @@ class RansWords {
     [[nodiscard]] bool at_end() const { return bytes_.size() == position_; }
 
     std::uint16_t next() {
-        std::uint32_t word = 0;
-        if (has(1)) word = bytes_[position_] | std::uint32_t{bytes_[position_ + 1]} << 8;
+        const std::uint16_t word = has(1) ? load<std::uint16_t>(bytes_.data() + position_) : 0;
         position_ += 2;
-        return static_cast<std::uint16_t>(word);
+        return word;
     }
 
     /// Refills the state if it is below kRansLow. kChecked = false requires: has(1).
@@ -103,8 +104,7 @@ class RansWords {
     void refill(std::uint32_t& state) {
         const bool low = state < kRansLow;
         std::uint32_t word = 0;
-        if (!kChecked || has(1))
-            word = bytes_[position_] | std::uint32_t{bytes_[position_ + 1]} << 8;
+        if (!kChecked || has(1)) word = load<std::uint16_t>(bytes_.data() + position_);
         state = low ? state << 16 | word : state;
         position_ += low ? 2 : 0;
     }
