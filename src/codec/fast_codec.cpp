@@ -335,7 +335,10 @@ void FastCodec::encode(LatticeLevel& level, GridView<const std::int32_t> source,
     head.put(static_cast<std::uint32_t>(width), 5);
     head.put(count, width);
     out.insert(out.end(), head.bytes().begin(), head.bytes().end());
-    for (const std::uint16_t word : words) put(out, word);
+    for (const std::uint16_t word : words) {
+        out.push_back(static_cast<std::uint8_t>(word));
+        out.push_back(static_cast<std::uint8_t>(word >> 8));
+    }
     out.insert(out.end(), rest.begin(), rest.end());
 }
 
