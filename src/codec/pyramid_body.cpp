@@ -54,7 +54,7 @@ class PyramidBody final : public RasterBody {
         for (int number = 0; number <= layout_.levels(); ++number)
             if (!present(level_chunk(number)))
                 return Error{ErrorCode::BadFile, "lacks a level; the file is damaged", "directory"};
-        if (header_.has_mask != present(kMaskChunk))
+        if (!header_.has_mask && present(kMaskChunk))
             return Error{ErrorCode::BadFile,
                          "does not agree with its header about a mask; the file is damaged",
                          "directory"};

@@ -1,4 +1,5 @@
 #include "codec/rans.h"
+#include "codec/bytes.h"
 
 #include <numeric>
 #include <random>
@@ -23,10 +24,10 @@ std::vector<std::uint8_t> encode(const std::vector<std::uint8_t>& symbols,
     std::vector<std::uint32_t> state(states, kRansLow);
     for (std::size_t k = symbols.size(); k-- > 0;)
         end = table[symbols[k]].encode(state[k % states], end);
-    std::vector<std::uint8_t> bytes;
-    for (const std::uint32_t x : state) put(bytes, x);
-    for (; end != words.data() + words.size(); ++end) put(bytes, *end);
-    return bytes;
+    ByteWriter bytes;
+    for (const std::uint32_t x : state) bytes.u32(x);
+    for (; end != words.data() + words.size(); ++end) bytes.u16(*end);
+    return bytes.take();
 }
 
 std::vector<std::uint8_t> decode(const std::vector<std::uint8_t>& bytes, std::size_t count,
