@@ -1,13 +1,16 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "relief/core/raster.h"
+#include "relief/core/stream.h"
 
-/// Rasters in and out of every format that GDAL knows. See docs/rasters.md.
+/// Rasters in and out of every format that GDAL knows, whole or in parts. GDAL's block cache, which
+/// all rasters of a process share, is bounded: see docs/rasters.md.
 namespace relief::io {
 
 struct ReadOptions {
@@ -24,6 +27,35 @@ struct ReadOptions {
 /// samples, only subdatasets); InvalidArgument (window not inside the raster); BadFile (damaged);
 /// Cancelled.
 [[nodiscard]] Result<Raster> read_raster(const std::string& path, const ReadOptions& options = {});
+
+/// An open raster that is read window by window, as read_raster reads it. Several threads may read;
+/// GDAL serves one of them at a time. Reads go by whole rows of the file's blocks, and the cache
+/// holds such a row of all bands (up to 1 GiB): windows from top to bottom decode each block once.
+class RasterReader final : public RasterSource {
+  public:
+    /// Errors: NotFound; BadInput, as read_raster.
+    [[nodiscard]] static Result<RasterReader> open(const std::string& path);
+
+    RasterReader(RasterReader&& other) noexcept;
+    RasterReader& operator=(RasterReader&&) = delete;
+    ~RasterReader() override;
+
+    [[nodiscard]] const Raster& description() const override;
+    [[nodiscard]] int components() const override;
+    /// The window as a raster of its own: with its description, its transform shifted. The mask is
+    /// empty if it has no hole. Complexity: O(samples of the window), 8 bytes a sample of one
+    /// plane. Errors: InvalidArgument (window not inside the raster); BadInput (too large for
+    /// memory); BadFile (damaged).
+    [[nodiscard]] Result<Raster> read(const LatticeBox& window) const override;
+    /// The same; false from `progress` cancels. Errors: and Cancelled.
+    [[nodiscard]] Result<Raster> read(const LatticeBox& window, const Progress& progress) const;
+
+  private:
+    struct File;
+    explicit RasterReader(std::unique_ptr<File> file);
+
+    std::unique_ptr<File> file_;
+};
 
 struct WriteOptions {
     Progress progress = {};
