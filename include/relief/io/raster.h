@@ -74,6 +74,41 @@ struct WriteOptions {
 [[nodiscard]] Status write_raster(const std::string& path, const Raster& raster,
                                   const WriteOptions& options = {});
 
+/// Whether a raster that is written in strips may have holes, which its file must have a code for.
+enum class Holes : std::uint8_t { None, Possible };
+
+/// Writes a raster in strips of whole rows, from top to bottom, as write_raster writes it at once.
+/// GeoTIFF: in memory that holds one row of the file's blocks and does not grow with the rows. The
+/// strips of other formats are collected, 8 bytes a sample, and written on commit().
+class RasterWriter {
+  public:
+    /// A raster of the size and with the description of `description`, whose planes and mask are
+    /// not looked at. Holes::Possible: holes become description.nodata if the type holds it, else
+    /// NaN (floats) or 0 under a mask band (integers). Errors: InvalidArgument as write_raster,
+    /// CannotWrite.
+    [[nodiscard]] static Result<RasterWriter> create(const std::string& path,
+                                                     const Raster& description, int components,
+                                                     Holes holes, const WriteOptions& options = {});
+
+    RasterWriter(RasterWriter&& other) noexcept;
+    RasterWriter& operator=(RasterWriter&&) = delete;
+    ~RasterWriter();
+
+    /// Takes planes and mask of rows first_row .. first_row + strip.rows - 1. Strips of any height
+    /// follow each other without gaps. Errors: InvalidArgument (not the next rows, another number
+    /// of planes or columns, a hole that has no code), CannotWrite, Cancelled.
+    [[nodiscard]] Status write(std::int64_t first_row, const Raster& strip);
+    /// The file appears under its name; without a commit nothing stays. Errors: InvalidArgument
+    /// (rows are missing; as write_raster), CannotWrite, Cancelled.
+    [[nodiscard]] Status commit();
+
+  private:
+    struct State;
+    explicit RasterWriter(std::unique_ptr<State> state);
+
+    std::unique_ptr<State> state_;
+};
+
 /// The size of a cell in metres.
 struct CellSize {
     double x = 1;  ///< along a row
