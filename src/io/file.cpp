@@ -307,10 +307,11 @@ Status FileSpool::read(std::uint64_t offset, std::span<std::uint8_t> into) const
 Result<std::uint64_t> FileSpool::append(std::span<const std::uint8_t> bytes) {
     const std::uint64_t offset = size_;
     if (descriptor_ < 0 && bytes.size() > kMemory - size_) RELIEF_CHECK(move_to_file());
-    if (descriptor_ < 0)
+    if (descriptor_ < 0) {
         bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
-    else
+    } else {
         RELIEF_CHECK(write_at(descriptor_, offset, bytes, directory_));
+    }
     size_ += bytes.size();
     return offset;
 }

@@ -105,6 +105,8 @@ Result<RasterWriter> RasterWriter::create(const std::string& path, const Raster&
         state->tiff.emplace(std::move(tiff));
         state->takes_holes = code.nodata || code.mask_band;
     } else {
+        // What can not appear is refused before the work. Virtual files have no directory to try.
+        if (!detail::is_virtual_path(path)) RELIEF_CHECK(StagedOutput::beside(path));
         state->prepare_samples();
         state->takes_holes = holes == Holes::Possible || description.nodata;
     }
@@ -114,10 +116,11 @@ Result<RasterWriter> RasterWriter::create(const std::string& path, const Raster&
 Status RasterWriter::write(std::int64_t first_row, const Raster& strip) {
     State& state = *state_;
     RELIEF_CHECK(state.check(first_row, strip));
-    if (state.tiff)
+    if (state.tiff) {
         RELIEF_CHECK(state.tiff->write(strip, 0, strip.rows));
-    else
+    } else {
         state.collect(strip);
+    }
     state.next += strip.rows;
     const double fraction =
         static_cast<double>(state.next) / static_cast<double>(state.raster.rows);
