@@ -8,12 +8,14 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <cstdlib>
 #include <filesystem>
 #include <system_error>
 
 namespace relief::io {
 
 namespace fs = std::filesystem;
+using namespace std::string_literals;
 
 namespace {
 
@@ -35,15 +37,99 @@ Error cannot_write(const std::string& path, int error) {
 class Descriptor {
   public:
     explicit Descriptor(int fd) : fd_(fd) {}
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
+    Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+    Descriptor& operator=(Descriptor&&) = delete;
     ~Descriptor() {
         if (fd_ >= 0) ::close(fd_);
     }
     [[nodiscard]] int get() const { return fd_; }
+    [[nodiscard]] int release() { return std::exchange(fd_, -1); }
 
   private:
     int fd_;
+};
+
+Error cannot_read(const std::string& path, int error) {
+    return {ErrorCode::NotFound, fmt::format("can not read: {}", reason(error)), path};
+}
+
+struct Input {
+    Descriptor file;
+    struct stat status;
+};
+
+Result<Input> open_input(const std::string& path) {
+    Input input{Descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC)), {}};
+    if (input.file.get() < 0) return cannot_read(path, errno);
+    if (::fstat(input.file.get(), &input.status) != 0) return cannot_read(path, errno);
+    if (S_ISDIR(input.status.st_mode)) return cannot_read(path, EISDIR);
+    return input;
+}
+
+Result<Bytes> read_to_end(const Input& input, const std::string& path, std::uint64_t max_bytes) {
+    // The size is only a hint, a file may grow; one byte more finds the end without another round.
+    const auto hint = static_cast<std::uint64_t>(std::max<off_t>(input.status.st_size, 0)) + 1;
+    constexpr std::uint64_t step = std::uint64_t{1} << 16;
+    Bytes bytes;
+    while (bytes.size() < max_bytes) {
+        const std::uint64_t have = bytes.size();
+        const std::uint64_t ahead = hint > have ? hint - have : step;
+        const std::uint64_t room = std::min(max_bytes - have, ahead);
+        bytes.resize(have + room);
+        const ssize_t got = ::read(input.file.get(), bytes.data() + have, room);
+        const int error = errno;
+        bytes.resize(have + static_cast<std::uint64_t>(std::max<ssize_t>(got, 0)));
+        if (got == 0) break;
+        if (got < 0 && error != EINTR) return cannot_read(path, error);
+    }
+    return bytes;
+}
+
+/// Fills `into` from `offset` on.
+Status read_at(int descriptor, std::uint64_t offset, std::span<std::uint8_t> into,
+               const std::string& path) {
+    while (!into.empty()) {
+        const ssize_t got =
+            ::pread(descriptor, into.data(), into.size(), static_cast<off_t>(offset));
+        if (got < 0 && errno == EINTR) continue;
+        if (got < 0)
+            return Error{ErrorCode::BadFile, fmt::format("can not read: {}", reason(errno)), path};
+        if (got == 0)
+            return Error{ErrorCode::BadFile,
+                         fmt::format("ends at byte {} where more bytes were expected", offset),
+                         path};
+        offset += static_cast<std::uint64_t>(got);
+        into = into.subspan(static_cast<std::size_t>(got));
+    }
+    return {};
+}
+
+Status write_at(int descriptor, std::uint64_t offset, std::span<const std::uint8_t> bytes,
+                const std::string& path) {
+    while (!bytes.empty()) {
+        const ssize_t written =
+            ::pwrite(descriptor, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+        if (written < 0 && errno == EINTR) continue;
+        if (written < 0) return cannot_write(path, errno);
+        offset += static_cast<std::uint64_t>(written);
+        bytes = bytes.subspan(static_cast<std::size_t>(written));
+    }
+    return {};
+}
+
+class FileSource final : public ByteSource {
+  public:
+    FileSource(std::string path, Descriptor file, std::uint64_t size)
+        : path_(std::move(path)), file_(std::move(file)), size_(size) {}
+    [[nodiscard]] std::uint64_t size() const override { return size_; }
+    Status read(std::uint64_t offset, std::span<std::uint8_t> into) const override {
+        return read_at(file_.get(), offset, into, path_);
+    }
+
+  private:
+    std::string path_;
+    Descriptor file_;
+    std::uint64_t size_;
 };
 
 /// What can not sync (pipes, devices, some network directories) is content with close.
@@ -97,31 +183,18 @@ Status check_target(const std::string& target, const std::string& path) {
 }  // namespace
 
 Result<std::vector<std::uint8_t>> read_file(const std::string& path, std::uint64_t max_bytes) {
-    const auto fail = [&](int error) {
-        return Error{ErrorCode::NotFound, fmt::format("can not read: {}", reason(error)), path};
-    };
-    const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-    if (file.get() < 0) return fail(errno);
-    struct stat status {};
-    if (::fstat(file.get(), &status) != 0) return fail(errno);
-    if (S_ISDIR(status.st_mode)) return fail(EISDIR);
+    RELIEF_TRY(const Input input, open_input(path));
+    return read_to_end(input, path, max_bytes);
+}
 
-    // The size is only a hint, a file may grow; one byte more finds the end without another round.
-    const auto hint = static_cast<std::uint64_t>(std::max<off_t>(status.st_size, 0)) + 1;
-    constexpr std::uint64_t step = std::uint64_t{1} << 16;
-    std::vector<std::uint8_t> bytes;
-    while (bytes.size() < max_bytes) {
-        const std::uint64_t have = bytes.size();
-        const std::uint64_t ahead = hint > have ? hint - have : step;
-        const std::uint64_t room = std::min(max_bytes - have, ahead);
-        bytes.resize(have + room);
-        const ssize_t got = ::read(file.get(), bytes.data() + have, room);
-        const int error = errno;
-        bytes.resize(have + static_cast<std::uint64_t>(std::max<ssize_t>(got, 0)));
-        if (got == 0) break;
-        if (got < 0 && error != EINTR) return fail(error);
-    }
-    return bytes;
+Result<std::shared_ptr<const ByteSource>> open_source(const std::string& path) {
+    RELIEF_TRY(Input input, open_input(path));
+    // Files that only pretend to be empty, as those of /proc do, are read like pipes.
+    if (S_ISREG(input.status.st_mode) && input.status.st_size > 0)
+        return std::shared_ptr<const ByteSource>(std::make_shared<FileSource>(
+            path, std::move(input.file), static_cast<std::uint64_t>(input.status.st_size)));
+    RELIEF_TRY(Bytes bytes, read_to_end(input, path, std::numeric_limits<std::uint64_t>::max()));
+    return std::shared_ptr<const ByteSource>(std::make_shared<MemorySource>(std::move(bytes)));
 }
 
 StagedOutput::StagedOutput(std::string target, std::string directory)
@@ -182,7 +255,8 @@ OutputFile::OutputFile(std::string path, int descriptor, std::optional<StagedOut
     : path_(std::move(path)), descriptor_(descriptor), staged_(std::move(staged)) {}
 
 OutputFile::OutputFile(OutputFile&& other) noexcept
-    : path_(std::move(other.path_)),
+    : ByteSink(),
+      path_(std::move(other.path_)),
       descriptor_(std::exchange(other.descriptor_, -1)),
       staged_(std::move(other.staged_)) {}
 
@@ -216,6 +290,53 @@ Status OutputFile::commit() {
     RELIEF_CHECK(sync(descriptor_, path_));
     if (::close(std::exchange(descriptor_, -1)) != 0) return cannot_write(path_, errno);
     return staged_ ? staged_->commit() : Status();
+}
+
+FileSpool::~FileSpool() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+Status FileSpool::read(std::uint64_t offset, std::span<std::uint8_t> into) const {
+    if (offset > size_ || into.size() > size_ - offset)
+        return Error{ErrorCode::BadFile, fmt::format("the spool ends at byte {}", size_), ""};
+    if (descriptor_ >= 0) return read_at(descriptor_, offset, into, directory_);
+    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset), into.size(), into.begin());
+    return {};
+}
+
+Result<std::uint64_t> FileSpool::append(std::span<const std::uint8_t> bytes) {
+    const std::uint64_t offset = size_;
+    if (descriptor_ < 0 && bytes.size() > kMemory - size_) RELIEF_CHECK(move_to_file());
+    if (descriptor_ < 0) {
+        bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+    } else {
+        RELIEF_CHECK(write_at(descriptor_, offset, bytes, directory_));
+    }
+    size_ += bytes.size();
+    return offset;
+}
+
+Status FileSpool::move_to_file() {
+    const char* chosen = std::getenv("TMPDIR");
+    const std::string beside = is_stream(path_) ? "" : directory_of(follow_links(path_));
+    Status moved;
+    for (const std::string& directory : {beside, std::string(chosen ? chosen : ""), "/tmp"s}) {
+        if (directory.empty()) continue;
+        std::string name = directory + "/.relief-spool-XXXXXX";
+        Descriptor file(::mkostemp(name.data(), O_CLOEXEC));
+        if (file.get() < 0) {
+            moved = cannot_write(directory, errno);
+            continue;
+        }
+        ::unlink(name.c_str());
+        moved = write_at(file.get(), 0, bytes_, directory);
+        if (!moved) continue;
+        directory_ = directory;
+        descriptor_ = file.release();
+        bytes_ = {};
+        break;
+    }
+    return moved;
 }
 
 Status write_file_atomically(const std::string& path, std::span<const std::uint8_t> bytes) {

@@ -1,15 +1,28 @@
 #include "io/gdal_scope.h"
 
+#include <cpl_conv.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <mutex>
 
 namespace relief::io::detail {
 
+namespace {
+
+void prepare_gdal() {
+    GDALAllRegister();
+    constexpr GIntBig enough = GIntBig{1} << 26;
+    const bool chosen = CPLGetConfigOption("GDAL_CACHEMAX", nullptr) != nullptr;
+    GDALSetCacheMax64(chosen ? std::max(GDALGetCacheMax64(), enough) : enough);
+}
+
+}  // namespace
+
 GdalScope::GdalScope() {
     CPLPushErrorHandlerEx(&GdalScope::collect, this);
-    static std::once_flag registered;
-    std::call_once(registered, GDALAllRegister);
+    static std::once_flag prepared;
+    std::call_once(prepared, prepare_gdal);
 }
 
 GdalScope::~GdalScope() {
@@ -26,6 +39,13 @@ void GdalScope::collect(CPLErr level, CPLErrorNum number, const char* message) {
     const bool failure = level >= CE_Failure;
     if (failure || !self->failed_) self->message_ = message;
     self->failed_ = self->failed_ || failure;
+}
+
+void reserve_block_cache(double bytes) {
+    static std::mutex mutex;
+    const auto wanted = static_cast<GIntBig>(std::min(bytes, 0x1p30));
+    const std::lock_guard lock(mutex);
+    if (wanted > GDALGetCacheMax64()) GDALSetCacheMax64(wanted);
 }
 
 GDALDataType gdal_type(SampleType type) {

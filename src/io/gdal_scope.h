@@ -12,8 +12,8 @@
 /// What the raster reader and writer share: GDAL's life time, messages, handles and types.
 namespace relief::io::detail {
 
-/// Registers GDAL's drivers once. While it lives, GDAL's messages of this thread are kept here, not
-/// printed.
+/// Registers GDAL's drivers and bounds its block cache, once. While it lives, GDAL's messages of
+/// this thread are kept here, not printed.
 class GdalScope {
   public:
     GdalScope();
@@ -36,6 +36,10 @@ struct CloseDataset {
     void operator()(GDALDatasetH dataset) const { GDALClose(dataset); }
 };
 using Dataset = std::unique_ptr<std::remove_pointer_t<GDALDatasetH>, CloseDataset>;
+
+/// Makes room for `bytes` in GDAL's block cache, which has 64 MiB, or what the user's
+/// GDAL_CACHEMAX says, and never more than 1 GiB for our sake.
+void reserve_block_cache(double bytes);
 
 [[nodiscard]] GDALDataType gdal_type(SampleType type);
 
