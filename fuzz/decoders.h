@@ -139,7 +139,7 @@ inline void raster(std::span<const std::uint8_t> bytes) {
     }
 }
 
-/// Small files of every kind: a mask, moves, corrections of integers and of floats, two schemes.
+/// Small files of every kind: a mask, moves, corrections of integers and of floats, all schemes.
 inline const std::vector<std::vector<std::uint8_t>>& valid_rasters() {
     static const auto files = [] {
         const auto surface = [](SampleType type, bool holes) {
@@ -168,6 +168,7 @@ inline const std::vector<std::vector<std::uint8_t>>& valid_rasters() {
         add(surface(SampleType::Int16, true), multires::SchemeId::Box, {Kind::MaxError, 2});
         add(surface(SampleType::Float32, false), multires::SchemeId::Box, {Kind::Lossless, 0});
         add(surface(SampleType::Float64, true), multires::SchemeId::Barycentric, {Kind::Keep, 40});
+        add(surface(SampleType::Int16, false), multires::SchemeId::Cubic, {Kind::RmsError, 1});
         coded.push_back(*add_moves(coded[0], {{.level = 1, .row = 2, .col = 3, .delta = {5}}}));
         return coded;
     }();

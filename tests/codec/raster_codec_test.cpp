@@ -68,7 +68,11 @@ rc::Gen<Raster> any_raster() {
 
 SchemeSpec any_scheme() {
     SchemeSpec spec;
-    spec.id = *rc::gen::element(SchemeId::Box, SchemeId::Barycentric);
+    spec.id = *rc::gen::element(SchemeId::Box, SchemeId::Barycentric, SchemeId::Cubic);
+    if (spec.id == SchemeId::Cubic) {
+        spec.exact = *rc::gen::arbitrary<bool>();
+        return spec;
+    }
     spec.order = *rc::gen::inRange(1, 3);
     spec.data_map =
         *rc::gen::element(multires::DataMap::Interpolate, multires::DataMap::QuasiInterpolate);
@@ -363,7 +367,7 @@ TEST(RasterCodec, LargestSamplesSurvive) {
     for (std::int64_t r = 0; r < 12; ++r)
         for (std::int64_t c = 0; c < 12; ++c)
             raster.planes[0](r, c) = (r + c) % 2 == 0 ? 1e45 : -1e45;
-    for (const SchemeId id : {SchemeId::Box, SchemeId::Barycentric}) {
+    for (const SchemeId id : {SchemeId::Box, SchemeId::Barycentric, SchemeId::Cubic}) {
         const auto file = encode_raster(raster, {.spec = {.id = id}, .goal = {Kind::Lossless, 0}});
         ASSERT_TRUE(file.ok()) << file.error().text();
         EXPECT_TRUE(errors(raster, *RasterFile::open(file->bytes)->decode(0)).same_bits);
