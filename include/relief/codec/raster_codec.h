@@ -120,9 +120,9 @@ class RasterFile {
     /// Scaling coefficients of `level`, moves included; corrections are not part of them.
     [[nodiscard]] Result<multires::LevelCoefficients<double>> coefficients(int level) const;
 
-    /// Control coefficients (relief/multires/surface.h) of a surface that passes through decode(0) before its rounding to the
-    /// sample type (for the quasi-interpolating and coefficient data maps: the surface that the
-    /// file describes).
+    /// Control coefficients (relief/multires/surface.h) of a surface that passes through decode(0)
+    /// before its rounding to the sample type (for the quasi-interpolating and coefficient data
+    /// maps: the surface that the file describes).
     [[nodiscard]] Result<multires::Planes<double>> control_net() const;
 
     /// The raster of `level`: size, transform, mask and values in the sample type. Errors:
