@@ -6,7 +6,7 @@
 #include "relief/codec/raster_codec.h"
 #include "relief/io/file.h"
 #include "relief/io/raster.h"
-#include "relief/spline/box_surface.h"
+#include "relief/multires/surface.h"
 
 relief::Status run(const char* raster_path, const char* relief_path, double max_error, double row,
                    double column) {
@@ -22,7 +22,7 @@ relief::Status run(const char* raster_path, const char* relief_path, double max_
     RELIEF_TRY(const auto file, codec::RasterFile::open(std::move(bytes)));
     RELIEF_TRY(const auto net, file.control_net());
     RELIEF_TRY(const auto surface,
-               spline::BoxSurface<double>::create(net[0].view(), file.layout().spec.order));
+               multires::Surface<double>::create(file.layout().spec, net[0].view()));
     const auto at = surface.jet(row, column);  // any point, not only samples
     std::printf("height %.3f, slope %.3f a row and %.3f a column\n", at.value, at.di, at.dj);
     return {};

@@ -171,6 +171,7 @@ inline const std::vector<Bytes>& valid_rasters() {
         add(surface(SampleType::Int16, true), multires::SchemeId::Box, {Kind::MaxError, 2});
         add(surface(SampleType::Float32, false), multires::SchemeId::Box, {Kind::Lossless, 0});
         add(surface(SampleType::Float64, true), multires::SchemeId::Barycentric, {Kind::Keep, 40});
+        add(surface(SampleType::Int16, false), multires::SchemeId::Cubic, {Kind::RmsError, 1});
         for (const Profile profile : {Profile::Fast, Profile::Dense})
             coded.push_back(encode_raster(surface(SampleType::Float32, profile == Profile::Dense),
                                           {.goal = {Kind::MaxError, 0.3}, .profile = profile})

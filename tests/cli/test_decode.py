@@ -27,6 +27,7 @@ class RoundTrips(Case):
                     for family in ("semi-orthogonal", "truncated", "truncated-literal")]
         schemes += [("barycentric", 1, "interpolate", ("--family", "semi-orthogonal")),
                     ("barycentric", 1, "interpolate", ("--dual", 3))]
+        schemes += [("cubic", 2, "interpolate", ()), ("cubic", 2, "interpolate", ("--exact",))]
         sizes = ((1, 1), (1, 7), (7, 1), (2, 5), (3, 3), (17, 4))
         # Every scheme meets two of the sizes, every size several schemes.
         for k, (name, order, data_map, more) in enumerate(schemes):
@@ -47,7 +48,8 @@ class RoundTrips(Case):
         dem = self.raster("dem.tif", values)
         for name, order, more in (("box", 1, ()), ("box", 2, ()), ("barycentric", 3, ()),
                                   ("barycentric", 2, ("--family", "truncated")),
-                                  ("box", 2, ("--map", "coefficients"))):
+                                  ("box", 2, ("--map", "coefficients")),
+                                  ("cubic", 2, ()), ("cubic", 2, ("--exact",))):
             file, _ = self.encoded(dem, "--max-error", 2, "--scheme", name, "--order", order,
                                    *more)
             surface, _ = self.decoded(file)
@@ -293,7 +295,8 @@ class Determinism(Case):
         values[50:60] = np.nan
         dem = self.raster("dem.tif", values.astype("float32"), transform=NORTH_UP)
         for goal, scheme, order in ((("--max-error", 0.5), "box", 2),
-                                    (("--keep", 5), "barycentric", 1)):
+                                    (("--keep", 5), "barycentric", 1),
+                                    (("--rms-error", 2), "cubic", 2)):
             contents = set()
             for threads in (1, 2, 5):
                 file, _ = self.encoded(dem, *goal, "--scheme", scheme, "--order", order,

@@ -135,7 +135,7 @@ class MaxError(Case):
 class RmsError(Case):
     def test_met_and_used(self):
         for dtype, goal in (("int16", 60), ("float32", 1.5), ("float64", 0.4)):
-            for scheme in (("box", 2), ("barycentric", 1)):
+            for scheme in (("box", 2), ("barycentric", 1), ("cubic", 2)):
                 with self.subTest(dtype=dtype, scheme=scheme):
                     dem = self.raster("dem.tif", holes(stored(dtype, 90, 110), 9), nodata=9)
                     file, report = self.encoded(dem, "--rms-error", goal, "--scheme", scheme[0],

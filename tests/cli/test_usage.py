@@ -60,7 +60,7 @@ class WrongUsage(Case):
 
     def test_unknown_names_list_the_known(self):
         self.refuse(2, "encode", self.dem, self.out, "--scheme", "spline",
-                    says=("'spline'", "barycentric, box"))
+                    says=("'spline'", "barycentric, box, cubic"))
         self.refuse(2, "encode", self.dem, self.out, "--family", "haar",
                     says=("'haar'", "compact, semi-orthogonal, truncated"))
         self.refuse(2, "encode", self.dem, self.out, "--map", "nearest",
@@ -72,6 +72,10 @@ class WrongUsage(Case):
         for order in (0, 5, -1):
             self.refuse(2, "encode", self.dem, self.out, "--scheme", "barycentric",
                         "--order", order, says="order")
+        self.refuse(2, "encode", self.dem, self.out, "--scheme", "cubic", "--order", 1,
+                    says="order 2")
+        self.refuse(2, "encode", self.dem, self.out, "--scheme", "cubic", "--map", "coefficients",
+                    says="interpolate")
         self.refuse(2, "encode", self.dem, self.out, "--levels", 77, says=("77", "at most"))
         self.refuse(2, "encode", self.dem, self.out, "--levels", -2, says="negative")
         self.refuse(2, "encode", self.dem, self.out, "--scheme", "barycentric", "--levels", 9999,

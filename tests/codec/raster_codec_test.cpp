@@ -70,7 +70,10 @@ std::optional<SchemeSpec> any_scheme() {
     SchemeSpec spec;
     if (*rc::gen::inRange(0, 3) == 0) return {};
     spec.id = *rc::gen::element(SchemeId::Box, SchemeId::Barycentric, SchemeId::Cubic);
-    if (spec.id == SchemeId::Cubic) return spec;
+    if (spec.id == SchemeId::Cubic) {
+        spec.exact = *rc::gen::arbitrary<bool>();
+        return spec;
+    }
     spec.order = *rc::gen::inRange(1, 3);
     spec.data_map =
         *rc::gen::element(multires::DataMap::Interpolate, multires::DataMap::QuasiInterpolate);

@@ -19,12 +19,15 @@ std::vector<SchemeSpec> all_specs() {
             specs.push_back({SchemeId::Barycentric, order, Family::SemiOrthogonal, 0, 2, map});
         }
     }
+    for (const bool exact : {false, true})
+        specs.push_back({SchemeId::Cubic, 2, Family::Compact, 0, -1, DataMap::Interpolate, exact});
     return specs;
 }
 
 std::string name_of(const SchemeSpec& spec) {
     return std::string(scheme_name(spec.id)) + " order " + std::to_string(spec.order) + " " +
-           std::string(family_name(spec.family)) + " " + std::string(data_map_name(spec.data_map));
+           std::string(family_name(spec.family)) + " " + std::string(data_map_name(spec.data_map)) +
+           (spec.exact ? " exact" : "");
 }
 
 Grid<double> smooth_grid(std::int64_t rows, std::int64_t cols) {
@@ -151,7 +154,7 @@ TEST(Scheme, RefusesWhatItCanNotDo) {
     EXPECT_EQ(layout({}, 5, 5, 5).error().code, ErrorCode::BadInput);
     EXPECT_EQ(layout({.order = 3}, 5, 5, 1).error().code, ErrorCode::InvalidArgument);
     EXPECT_EQ(layout({.levels = 40}, 5, 5, 1).error().code, ErrorCode::InvalidArgument);
-    EXPECT_NE(scheme_from_name("wavelet").error().message.find("barycentric, box"),
+    EXPECT_NE(scheme_from_name("wavelet").error().message.find("barycentric, box, cubic"),
               std::string::npos);
     EXPECT_EQ(analyse<double>({}, {}).error().code, ErrorCode::BadInput);
 }
@@ -164,7 +167,7 @@ TEST(Edit, MoveAddsOneBoxSpline) {
     const int supports[2][3] = {{7, 37, 169}, {37, 169, 721}};
     const int fine_supports[2][3] = {{7, 37, 169}, {19, 127, 631}};
     for (const SchemeSpec& spec : all_specs()) {
-        if (spec.order > 2) continue;
+        if (spec.order > 2 || spec.id == SchemeId::Cubic) continue;
         const auto bands = *layout(spec, 97, 97, 1);
         for (int level = 1; level <= std::min(3, bands.levels()); ++level) {
             const Move move{level, 48 >> level, 48 >> level, {2.5}};
@@ -188,6 +191,37 @@ TEST(Edit, MoveAddsOneBoxSpline) {
             EXPECT_NEAR(sum, 2.5 * std::pow(4, level), 1e-11);
         }
     }
+}
+
+/// Adding delta to a value adds delta * cardinal spline: 1 there, 0 at the other lattice points of
+/// the level, nothing beyond 11 (2^level - 1) samples.
+TEST(Edit, MoveAddsOneCardinalSpline) {
+    const auto bands = *layout({.id = SchemeId::Cubic}, 150, 140, 1);
+    for (int level = 1; level <= 3; ++level) {
+        const std::int64_t step = std::int64_t{1} << level;
+        const Move move{level, 64 / step, 72 / step, {2.5}};
+        const auto field = displacement<double>(bands, {move}, 0).planes[0].clone();
+        const LatticeBox box = touched_box(bands, {move});
+        const std::int64_t reach = 11 * (step - 1);
+        const std::int64_t top = std::max<std::int64_t>(64 - reach, 0);
+        const std::int64_t left = std::max<std::int64_t>(72 - reach, 0);
+        EXPECT_EQ(box, (LatticeBox{top, left, std::min<std::int64_t>(64 + reach, 149) - top + 1,
+                                   std::min<std::int64_t>(72 + reach, 139) - left + 1}));
+        for (std::int64_t r = 0; r < 150; ++r)
+            for (std::int64_t c = 0; c < 140; ++c) {
+                if (r % step == 0 && c % step == 0) {
+                    EXPECT_EQ(field(r, c), r == 64 && c == 72 ? 2.5 : 0.0);
+                }
+                if (field(r, c) != 0) {
+                    EXPECT_TRUE(box.contains(r, c)) << r << ' ' << c;
+                }
+            }
+        if (level == 3) continue;  // cut at the raster
+        EXPECT_NE(field(64, box.col0), 0) << "the box is not too large";
+        EXPECT_NE(field(box.row0, 72), 0);
+    }
+    const auto exact = *layout({.id = SchemeId::Cubic, .exact = true}, 50, 60, 1);
+    EXPECT_EQ(touched_box(exact, {{1, 9, 9, {1}}}), (LatticeBox{0, 0, 50, 60}));
 }
 
 TEST(Edit, MovingThePyramidEqualsAddingTheDisplacement) {
