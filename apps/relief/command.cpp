@@ -85,7 +85,7 @@ double Stopwatch::seconds() const {
 }
 
 void SchemeOptions::add_to(CLI::App& app) {
-    app.add_option("--scheme", scheme, "box (default), barycentric");
+    app.add_option("--scheme", scheme, "box (default), barycentric, fvs");
     app.add_option("--order", order,
                    "1: linear C0, 2: quartic C2 (default); barycentric also 3: C4, 4: C6");
     app.add_option("--levels", levels, "levels of detail; default: as many as the raster allows");

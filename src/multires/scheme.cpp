@@ -10,6 +10,7 @@
 #include "relief/core/parallel.h"
 #include "relief/multires/barycentric.h"
 #include "relief/multires/box.h"
+#include "relief/multires/fvs.h"
 #include "relief/spline/lattice_filters.h"
 
 namespace relief::multires {
@@ -22,8 +23,8 @@ struct Named {
     std::string_view name;
 };
 
-constexpr std::array<Named<SchemeId>, 2> kSchemes = {
-    {{SchemeId::Barycentric, "barycentric"}, {SchemeId::Box, "box"}}};
+constexpr std::array<Named<SchemeId>, 3> kSchemes = {
+    {{SchemeId::Barycentric, "barycentric"}, {SchemeId::Box, "box"}, {SchemeId::Fvs, "fvs"}}};
 constexpr std::array<Named<Family>, 4> kFamilies = {
     {{Family::Compact, "compact"},
      {Family::SemiOrthogonal, "semi-orthogonal"},
@@ -55,12 +56,15 @@ Result<Id> find_in(const Table& table, std::string_view name, const char* what) 
 
 Result<PyramidLayout> scheme_layout(const SchemeSpec& spec, std::int64_t rows, std::int64_t cols,
                                     int components) {
+    if (spec.id == SchemeId::Fvs) return fvs::layout(spec, rows, cols, components);
     return spec.id == SchemeId::Box ? box::layout(spec, rows, cols, components)
                                     : barycentric::layout(spec, rows, cols, components);
 }
 
 template <class T>
 Grid<T> scheme_coefficients(const Pyramid<T>& pyramid, int component, int level) {
+    if (pyramid.layout.spec.id == SchemeId::Fvs)
+        return fvs::coefficients(pyramid, component, level);
     return pyramid.layout.spec.id == SchemeId::Box
                ? box::coefficients(pyramid, component, level)
                : barycentric::coefficients(pyramid, component, level);
@@ -75,7 +79,7 @@ void fill_zero(Pyramid<T>& pyramid) {
 }
 
 bool samples_are_coefficients(const SchemeSpec& spec) {
-    return spec.order == 1 || spec.data_map == DataMap::Coefficients;
+    return spec.order == 1 || spec.data_map == DataMap::Coefficients || spec.id == SchemeId::Fvs;
 }
 
 // Lattice maps fail for wrong orders and sizes only; those of a layout are right.
@@ -160,6 +164,7 @@ const NormTable& norms_of(const SchemeSpec& spec) {
 }
 
 void fill_norms(PyramidLayout& layout) {
+    if (layout.spec.id == SchemeId::Fvs) return;  // its layout has them
     const NormTable& table = norms_of(layout.spec);
     for (BandLayout& band : layout.bands) {
         if (band.level == 0) continue;
@@ -231,7 +236,9 @@ Result<Pyramid<T>> analyse(const std::vector<GridView<const T>>& planes, const S
                              : spline::quasi_interpolate<T>(spec.order, finest, mapped.view()));
             finest = std::as_const(mapped).view();
         }
-        if (spec.id == SchemeId::Box)
+        if (spec.id == SchemeId::Fvs)
+            fvs::analyse<T>(finest, static_cast<int>(c), pyramid);
+        else if (spec.id == SchemeId::Box)
             box::analyse<T>(finest, static_cast<int>(c), pyramid);
         else
             barycentric::analyse<T>(finest, static_cast<int>(c), pyramid);
@@ -265,6 +272,11 @@ template <class T>
 LevelCoefficients<T> subdivide(const PyramidLayout& layout, LevelCoefficients<T> coarse, int from,
                                int to) {
     if (from == to) return coarse;
+    if (layout.spec.id == SchemeId::Fvs) {
+        for (Grid<T>& plane : coarse.planes)
+            plane = fvs::subdivide<T>(layout, plane.view(), from, to);
+        return {scaling_box(layout, to), std::move(coarse.planes)};
+    }
     SchemeSpec spec = layout.spec;
     spec.levels = from;
     auto bands =
@@ -318,7 +330,9 @@ Pyramid<T> adjoint(const PyramidLayout& layout, const std::vector<GridView<const
             (void)spline::sample_lattice_adjoint<T>(layout.spec.order, residual, mapped.view());
             residual = std::as_const(mapped).view();
         }
-        if (layout.spec.id == SchemeId::Box)
+        if (layout.spec.id == SchemeId::Fvs)
+            fvs::adjoint<T>(residual, static_cast<int>(c), pyramid);
+        else if (layout.spec.id == SchemeId::Box)
             box::adjoint<T>(residual, static_cast<int>(c), pyramid);
         else
             barycentric::adjoint<T>(residual, static_cast<int>(c), pyramid);

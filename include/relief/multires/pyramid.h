@@ -13,6 +13,7 @@ namespace relief::multires {
 enum class SchemeId : std::uint8_t {
     Barycentric,  ///< box spline M_ddd, 7 wavelet kinds a level (a frame); docs/barycentric.md
     Box,          ///< the same splines, 3 wavelets a level by lifting (a basis); docs/box.md
+    Fvs,          ///< C1 cubic splines, 15 details a cell, lifted; docs/fvs-raster.md
 };
 
 /// The pair of dual sequences of scheme `barycentric`.
