@@ -5,6 +5,7 @@
 #include <string>
 
 #include "multires/cubic_rules.h"
+#include "relief/multires/fvs.h"
 
 namespace relief::multires {
 
@@ -31,6 +32,43 @@ LevelCoefficients<T> field_of(const PyramidLayout& layout, const std::vector<Mov
         field.planes.push_back(std::move(plane));
     }
     return field;
+}
+
+/// Whether analysis of the scaling coefficients of `level` gives a band.
+bool changes_with(const PyramidLayout& layout, const BandLayout& band, int level) {
+    if (layout.spec.id == SchemeId::Fvs) return fvs::follows_values_of(layout, band, level);
+    return band.level > level || band.channel == 0;
+}
+
+/// Each level's moves by themselves: estimated derivatives belong to the level that was moved.
+template <class T>
+LevelCoefficients<T> fvs_displacement(const PyramidLayout& layout, const std::vector<Move>& moves,
+                                      int level) {
+    LevelCoefficients<T> sum = field_of<T>(layout, moves, level);
+    for (int l = level + 1; l <= layout.levels(); ++l) {
+        if (std::none_of(moves.begin(), moves.end(), [&](const Move& m) { return m.level == l; }))
+            continue;
+        const auto part = subdivide(layout, field_of<T>(layout, moves, l), l, level);
+        for (std::size_t c = 0; c < part.planes.size(); ++c) add(sum.planes[c], part.planes[c]);
+    }
+    return sum;
+}
+
+/// The first and last point of `level` that a move of the point k of n at a level `scale` times as
+/// coarse can change.
+fvs::LatticeRange reach_of(const PyramidLayout& layout, std::int64_t k, std::int64_t n,
+                           std::int64_t scale) {
+    const SchemeSpec& spec = layout.spec;
+    if (spec.id == SchemeId::Fvs) {
+        const fvs::LatticeRange range = fvs::cardinal_support(k, n);
+        return {range.first * scale, range.last * scale};
+    }
+    std::int64_t reach = spec.order * scale - 1;  // M_ddd lives on |i|, |j| < d
+    if (spec.id == SchemeId::Cubic && spec.exact)
+        reach = scale == 1 ? 0 : std::numeric_limits<std::int32_t>::max();
+    else if (spec.id == SchemeId::Cubic)
+        reach = (2 * cubic::kTaps - 1) * (scale - 1);  // each level: twice as far, and a step
+    return {k * scale - reach, k * scale + reach};
 }
 
 }  // namespace
@@ -67,7 +105,7 @@ Status apply_moves(Pyramid<T>& pyramid, const std::vector<Move>& moves) {
             analyse_coefficients<T>(change.planes[c].view(), static_cast<int>(c), difference,
                                     level);
         for (std::size_t k = 0; k < pyramid.bands.size(); ++k) {
-            if (layout.bands[k].level <= level && layout.bands[k].channel != 0) continue;
+            if (!changes_with(layout, layout.bands[k], level)) continue;
             for (std::size_t c = 0; c < change.planes.size(); ++c)
                 add(pyramid.bands[k][c], difference.bands[k][c]);
         }
@@ -78,6 +116,7 @@ Status apply_moves(Pyramid<T>& pyramid, const std::vector<Move>& moves) {
 template <class T>
 LevelCoefficients<T> displacement(const PyramidLayout& layout, const std::vector<Move>& moves,
                                   int level) {
+    if (layout.spec.id == SchemeId::Fvs) return fvs_displacement<T>(layout, moves, level);
     LevelCoefficients<T> sum = field_of<T>(layout, moves, level);
     int coarsest = level;
     for (const Move& move : moves) coarsest = std::max(coarsest, move.level);
@@ -91,28 +130,18 @@ LevelCoefficients<T> displacement(const PyramidLayout& layout, const std::vector
     return running;
 }
 
-namespace {
-
-/// How far a scaling coefficient `levels` above reaches, in samples.
-std::int64_t reach_of(const SchemeSpec& spec, int levels) {
-    const std::int64_t scale = std::int64_t{1} << levels;
-    if (spec.id != SchemeId::Cubic) return spec.order * scale - 1;  // M_ddd: |i|, |j| < d
-    if (spec.exact) return levels == 0 ? 0 : std::numeric_limits<std::int32_t>::max();
-    return (2 * cubic::kTaps - 1) * (scale - 1);  // each level: twice as far, and a step
-}
-
-}  // namespace
-
 LatticeBox touched_box(const PyramidLayout& layout, const std::vector<Move>& moves, int level) {
     std::int64_t top = INT64_MAX, left = INT64_MAX, bottom = INT64_MIN, right = INT64_MIN;
     for (const Move& move : moves) {
         if (move.level < level) continue;
         const std::int64_t scale = std::int64_t{1} << (move.level - level);
-        const std::int64_t reach = reach_of(layout.spec, move.level - level);
-        top = std::min(top, move.row * scale - reach);
-        bottom = std::max(bottom, move.row * scale + reach);
-        left = std::min(left, move.col * scale - reach);
-        right = std::max(right, move.col * scale + reach);
+        const LatticeBox box = scaling_box(layout, move.level);
+        const fvs::LatticeRange rows = reach_of(layout, move.row, box.rows, scale);
+        const fvs::LatticeRange cols = reach_of(layout, move.col, box.cols, scale);
+        top = std::min(top, rows.first);
+        bottom = std::max(bottom, rows.last);
+        left = std::min(left, cols.first);
+        right = std::max(right, cols.last);
     }
     const std::int64_t step = std::int64_t{1} << level;
     top = std::max<std::int64_t>(top, 0);

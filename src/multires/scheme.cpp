@@ -11,6 +11,7 @@
 #include "relief/multires/barycentric.h"
 #include "relief/multires/box.h"
 #include "relief/multires/cubic.h"
+#include "relief/multires/fvs.h"
 #include "relief/spline/lattice_filters.h"
 
 namespace relief::multires {
@@ -64,8 +65,7 @@ Result<PyramidLayout> scheme_layout(const SchemeSpec& spec, std::int64_t rows, s
         case SchemeId::Cubic:
             return cubic::layout(spec, rows, cols, components);
         case SchemeId::Fvs:
-            return Error{ErrorCode::InvalidArgument,
-                         "scheme fvs takes a bound: --max-error E or --lossless", ""};
+            return fvs::layout(spec, rows, cols, components);
         case SchemeId::Barycentric:
             break;
     }
@@ -79,8 +79,9 @@ Grid<T> scheme_coefficients(const Pyramid<T>& pyramid, int component, int level)
             return box::coefficients(pyramid, component, level);
         case SchemeId::Cubic:
             return cubic::coefficients(pyramid, component, level);
-        case SchemeId::Barycentric:
         case SchemeId::Fvs:
+            return fvs::coefficients(pyramid, component, level);
+        case SchemeId::Barycentric:
             break;
     }
     return barycentric::coefficients(pyramid, component, level);
@@ -93,8 +94,9 @@ void scheme_adjoint(GridView<const T> residual, int component, Pyramid<T>& out) 
             return box::adjoint<T>(residual, component, out);
         case SchemeId::Cubic:
             return cubic::adjoint<T>(residual, component, out);
-        case SchemeId::Barycentric:
         case SchemeId::Fvs:
+            return fvs::adjoint<T>(residual, component, out);
+        case SchemeId::Barycentric:
             break;
     }
     barycentric::adjoint<T>(residual, component, out);
@@ -190,6 +192,7 @@ const NormTable& norms_of(const SchemeSpec& spec) {
 }
 
 void fill_norms(PyramidLayout& layout) {
+    if (layout.spec.id == SchemeId::Fvs) return;  // its layout has them
     const NormTable& table = norms_of(layout.spec);
     for (BandLayout& band : layout.bands) {
         if (band.level == 0) continue;
@@ -206,7 +209,7 @@ void fill_norms(PyramidLayout& layout) {
 }  // namespace
 
 bool samples_are_coefficients(const SchemeSpec& spec) {
-    return spec.id == SchemeId::Cubic || spec.order == 1 || spec.data_map == DataMap::Coefficients;
+    return spec.id == SchemeId::Cubic || spec.id == SchemeId::Fvs || spec.order == 1 || spec.data_map == DataMap::Coefficients;
 }
 
 std::string_view scheme_name(SchemeId id) {
@@ -255,8 +258,9 @@ void analyse_coefficients(GridView<const T> scaling, int component, Pyramid<T>& 
             return box::analyse<T>(scaling, component, out, workspace, first_level);
         case SchemeId::Cubic:
             return cubic::analyse<T>(scaling, component, out, workspace, first_level);
-        case SchemeId::Barycentric:
         case SchemeId::Fvs:
+            return fvs::analyse<T>(scaling, component, out, first_level);
+        case SchemeId::Barycentric:
             break;
     }
     barycentric::analyse<T>(scaling, component, out, workspace, first_level);
@@ -312,6 +316,11 @@ template <class T>
 LevelCoefficients<T> subdivide(const PyramidLayout& layout, LevelCoefficients<T> coarse, int from,
                                int to) {
     if (from == to) return coarse;
+    if (layout.spec.id == SchemeId::Fvs) {
+        for (Grid<T>& plane : coarse.planes)
+            plane = fvs::subdivide<T>(layout, plane.view(), from, to);
+        return {scaling_box(layout, to), std::move(coarse.planes)};
+    }
     SchemeSpec spec = layout.spec;
     spec.levels = from;
     auto bands =

@@ -10,7 +10,7 @@
 /// The one door to all raster schemes: what codec, editing and faces call.
 namespace relief::multires {
 
-/// "barycentric", "box", "cubic". Errors: InvalidArgument listing the known names.
+/// "barycentric", "box", "cubic", "fvs". Errors: InvalidArgument listing the known names.
 [[nodiscard]] Result<SchemeId> scheme_from_name(std::string_view name);
 [[nodiscard]] std::string_view scheme_name(SchemeId id);
 [[nodiscard]] std::string_view family_name(Family family);
