@@ -66,7 +66,7 @@ CubicNet rotated(const CubicNet& n) {
 /// halves at the middles of Ac and Bc: into (A, M, ca), (M, c, ca), (M, B, cb) and (c, M, cb),
 /// whose third corners are the centres of the children.
 double bound_after(const CubicNet& net, int refinements) {
-    if (refinements == 0) return largest(net);
+    if (refinements <= 0) return largest(net);
     const auto [with_a, with_b] = halve(net);
     const Halves at_a = halve(rotated(rotated(with_a)));  // (c, ca, M) and (ca, A, M)
     const Halves at_b = halve(rotated(with_b));           // (B, cb, M) and (cb, c, M)

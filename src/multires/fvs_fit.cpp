@@ -52,6 +52,13 @@ class NormalEquations {
         return sum;
     }
 
+    [[nodiscard]] std::vector<double> diagonal() const {
+        std::vector<double> sum(scale_.size(), ridge_);
+        for (const ElementBlock& block : blocks_)
+            for (int i = 0; i < 16; ++i) sum[block.functionals.id[i]] += block.matrix[17 * i];
+        return sum;
+    }
+
     [[nodiscard]] std::vector<double> times(const std::vector<double>& y) const {
         std::vector<double> sum(y.size());
         for (std::size_t k = 0; k < y.size(); ++k) sum[k] = ridge_ * y[k];
@@ -100,26 +107,31 @@ struct Solution {
     int iterations = 0;
 };
 
+/// Preconditioned by the diagonal: derivatives, even times h, count less than values.
 Solution conjugate_gradients(const NormalEquations& equations, const FitOptions& options) {
+    const std::vector<double> diagonal = equations.diagonal();
     std::vector<double> residual = equations.right();
-    Solution solution{std::vector<double>(residual.size()), 0};
-    std::vector<double> direction = residual;
-    double energy = dot_product(residual, residual);
-    const double enough = options.reduction * options.reduction * energy;
-    while (energy > enough && solution.iterations < options.iterations) {
+    const std::size_t n = residual.size();
+    Solution solution{std::vector<double>(n), 0};
+    std::vector<double> scaled(n);
+    std::vector<double> direction(n);
+    double energy = 0;
+    double enough = 0;
+    for (;; ++solution.iterations) {
+        for (std::size_t k = 0; k < n; ++k) scaled[k] = residual[k] / diagonal[k];
+        const double next = dot_product(residual, scaled);
+        if (solution.iterations == 0) enough = options.reduction * options.reduction * next;
+        if (!(next > enough) || solution.iterations >= options.iterations) return solution;
+        const double turn = solution.iterations == 0 ? 0 : next / energy;
+        for (std::size_t k = 0; k < n; ++k) direction[k] = scaled[k] + turn * direction[k];
+        energy = next;
         const std::vector<double> image = equations.times(direction);
         const double step = energy / dot_product(direction, image);
-        for (std::size_t k = 0; k < residual.size(); ++k) {
+        for (std::size_t k = 0; k < n; ++k) {
             solution.y[k] += step * direction[k];
             residual[k] -= step * image[k];
         }
-        const double next = dot_product(residual, residual);
-        for (std::size_t k = 0; k < residual.size(); ++k)
-            direction[k] = residual[k] + next / energy * direction[k];
-        energy = next;
-        ++solution.iterations;
     }
-    return solution;
 }
 
 /// The samples in the order of their quads.
@@ -153,6 +165,10 @@ Result<Fit> fit(const Hierarchy& hierarchy, int level, std::span<const Vec2> poi
     RELIEF_CHECK(check(mesh, start));
     if (points.size() != values.size())
         return bad_data("size_mismatch: every sample needs a point and a value");
+    if (!(options.ridge > 0))
+        return Error{ErrorCode::InvalidArgument,
+                     "ridge_not_positive: without it unknowns far from all samples have no value",
+                     ""};
     if (points.empty()) return bad_data("no_samples: there is nothing to fit; pass some");
     RELIEF_TRY(const auto samples, placed(hierarchy, level, points, values));
     const NormalEquations equations(mesh, samples, start, options.ridge);

@@ -108,6 +108,8 @@ TEST(FvsFit, NamedErrors) {
     EXPECT_EQ(name(outside.error()), "outside_domain");
     EXPECT_EQ(outside.error().where, "sample 1");
     EXPECT_EQ(name(fit(hierarchy, 1, {}, {}, start).error()), "no_samples");
+    EXPECT_EQ(name(fit(hierarchy, 1, points, values, start, {.ridge = 0}).error()),
+              "ridge_not_positive");
     EXPECT_EQ(name(fit(hierarchy, 1, points, {}, start).error()), "size_mismatch");
     EXPECT_EQ(name(fit(hierarchy, 0, points, values, start).error()), "size_mismatch");
     EXPECT_EQ(name(fit(hierarchy, 2, points, values, start).error()), "level_out_of_range");

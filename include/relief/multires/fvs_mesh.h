@@ -21,7 +21,9 @@ namespace relief::multires::fvs_mesh {
 /// The meshes of levels 0 .. levels(), and the point location of the coarsest.
 class Hierarchy {
   public:
-    /// Errors: `level_out_of_range` as mesh::level_counts. Complexity: O(size of the finest mesh).
+    /// Errors: `level_out_of_range` as mesh::level_counts. Complexity: O(size of the finest mesh),
+    /// which grows by 4 a level: whoever reads `levels` from a file first compares
+    /// mesh::level_counts with what the file holds.
     [[nodiscard]] static Result<Hierarchy> create(mesh::Quadrangulation base, int levels);
 
     [[nodiscard]] int levels() const { return static_cast<int>(meshes_.size()) - 1; }

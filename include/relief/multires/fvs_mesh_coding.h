@@ -98,10 +98,10 @@ struct Fit {
 };
 
 /// The spline of `level` nearest to scattered samples in the sense of least squares, by conjugate
-/// gradients from `start`, which also decides where samples say nothing. Sensible from about two
-/// samples a quad and direction. Errors: those of check for `start`; `level_out_of_range`,
-/// `size_mismatch`, `non_finite_data`, `outside_domain` for a sample, `no_samples`. Complexity:
-/// O(samples log n + iterations n).
+/// gradients (preconditioned by the diagonal) from `start`, which also decides where samples say
+/// nothing. Sensible from about two samples a quad and direction. Errors: those of check for
+/// `start`; `level_out_of_range`, `size_mismatch`, `non_finite_data`, `outside_domain` for a
+/// sample, `no_samples`, `ridge_not_positive`. Complexity: O(samples log n + iterations n).
 [[nodiscard]] Result<Fit> fit(const Hierarchy& hierarchy, int level, std::span<const Vec2> points,
                               std::span<const double> values, const NodalData& start,
                               const FitOptions& options = {});
