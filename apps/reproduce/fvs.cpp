@@ -30,7 +30,6 @@ class Rows {
 };
 
 // --- the paper's functions
-// -----------------------------------------------------------------------------------------
 
 /// amplitude exp(-a (x - x0)^2 - b (y - y0)^2).
 PlaneJet hill(Vec2 p, double amplitude, double a, double x0, double b, double y0) {
@@ -65,7 +64,6 @@ PlaneJet disc(Vec2 p) {
 }
 
 // --- table 1
-// ----------------------------------------------------------------------------------------------------------
 
 mesh::Quadrangulation unit_square() {
     const std::array<Vec2, 4> corners = {Vec2{0, 0}, {1, 0}, {1, 1}, {0, 1}};
@@ -97,7 +95,6 @@ void table1(Rows& rows) {
 }
 
 // --- section 7
-// --------------------------------------------------------------------------------------------------------
 
 struct Errors {
     double largest = 0;

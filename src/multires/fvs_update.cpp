@@ -20,7 +20,6 @@ constexpr std::int64_t kGrain = 64;
 using Mass = std::array<double, 256>;
 
 // --- one quad and its refinement
-// -------------------------------------------------------------------------------------
 // Numbers of the refined quad: value, dx, dy of its 9 vertices (corners v_i, middles M_i, centre
 // c), then the normal derivatives of its 12 edges: halves 2i and 2i + 1 of side i, and inner edge i
 // from M_i to c; all sides run counter-clockwise.
@@ -167,7 +166,6 @@ double side_sign(int column, bool forward) {
 }
 
 // --- one block of coarse functionals
-// ---------------------------------------------------------------------------------
 
 struct Block {
     std::vector<std::size_t> ids;  ///< those of the first quad, then those of the second it lacks
