@@ -183,7 +183,7 @@ std::vector<Row> fvs_rows() {
              {"f1 (Franke)",
               franke,
               1,
-              {39, 0.25, 0.00625, "not reproduced by the printed function on any grid"},
+              {39, 0.25, 0.00625, "not reproduced by the printed function"},
               {0.001, 0.002, 0.005, 0.01, 0.02, 0.05},
               0.02,
               {37, 0.099, 0.0008, "count exact; the paper's f1 may differ from the printed"}});
