@@ -71,7 +71,8 @@ int main(int argc, char** argv) {
         fmt::print(stderr, "relief-reproduce: {}\n", error.what());
         return 2;
     }
-    const std::vector<Row> rows = relief::reproduce::barycentric_rows(load_terrains(paths, json));
+    std::vector<Row> rows = relief::reproduce::barycentric_rows(load_terrains(paths, json));
+    for (Row& row : relief::reproduce::fvs_rows()) rows.push_back(std::move(row));
     if (!json) {
         print_table(rows);
         return 0;

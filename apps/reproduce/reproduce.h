@@ -27,4 +27,8 @@ struct Terrain {
 /// 327, 1999).
 [[nodiscard]] std::vector<Row> barycentric_rows(const std::vector<Terrain>& terrains);
 
+/// Hong, Schumaker: surface compression using a space of C1 cubic splines with a hierarchical
+/// basis.
+[[nodiscard]] std::vector<Row> fvs_rows();
+
 }  // namespace relief::reproduce
