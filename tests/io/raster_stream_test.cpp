@@ -534,8 +534,8 @@ TEST_F(RasterStreamTest, MemoryDoesNotGrowWithTheRows) {
     // Of 229 MiB in the file's type and 916 MiB in double: two strips of 8 MiB and a row of blocks;
     // and then the cache of 64 MiB.
     constexpr std::uint64_t MiB = 1024;
-    EXPECT_LE(written - before, 40 * MiB);
-    EXPECT_LE(read - before, 120 * MiB);
+    EXPECT_LE(written, before + 40 * MiB);
+    EXPECT_LE(read, before + 120 * MiB);
 }
 
 }  // namespace
