@@ -5,16 +5,38 @@
 
 #include <algorithm>
 #include <mutex>
+#include <set>
 
 namespace relief::io::detail {
 
 namespace {
 
+constexpr std::int64_t kCache = std::int64_t{1} << 26;
+constexpr std::int64_t kMostRoom = std::int64_t{1} << 30;
+
+/// The wants of all that need room in the block cache; `least` is always there.
+struct CacheDemand {
+    std::mutex mutex;
+    std::int64_t least = kCache;
+    std::multiset<std::int64_t> wants;
+
+    void apply() const {
+        GDALSetCacheMax64(wants.empty() ? least : std::max(least, *wants.rbegin()));
+    }
+};
+
+CacheDemand& cache_demand() {
+    static CacheDemand demand;
+    return demand;
+}
+
 void prepare_gdal() {
     GDALAllRegister();
-    constexpr GIntBig enough = GIntBig{1} << 26;
-    const bool chosen = CPLGetConfigOption("GDAL_CACHEMAX", nullptr) != nullptr;
-    GDALSetCacheMax64(chosen ? std::max(GDALGetCacheMax64(), enough) : enough);
+    CacheDemand& demand = cache_demand();
+    const std::lock_guard lock(demand.mutex);
+    if (CPLGetConfigOption("GDAL_CACHEMAX", nullptr))
+        demand.least = std::max<std::int64_t>(GDALGetCacheMax64(), kCache);
+    demand.apply();
 }
 
 }  // namespace
@@ -41,11 +63,19 @@ void GdalScope::collect(CPLErr level, CPLErrorNum number, const char* message) {
     self->failed_ = self->failed_ || failure;
 }
 
-void reserve_block_cache(double bytes) {
-    static std::mutex mutex;
-    const auto wanted = static_cast<GIntBig>(std::min(bytes, 0x1p30));
-    const std::lock_guard lock(mutex);
-    if (wanted > GDALGetCacheMax64()) GDALSetCacheMax64(wanted);
+CacheRoom::CacheRoom(double bytes)
+    : bytes_(static_cast<std::int64_t>(std::min(bytes, static_cast<double>(kMostRoom)))) {
+    CacheDemand& demand = cache_demand();
+    const std::lock_guard lock(demand.mutex);
+    demand.wants.insert(bytes_);
+    demand.apply();
+}
+
+CacheRoom::~CacheRoom() {
+    CacheDemand& demand = cache_demand();
+    const std::lock_guard lock(demand.mutex);
+    demand.wants.erase(demand.wants.find(bytes_));
+    demand.apply();
 }
 
 GDALDataType gdal_type(SampleType type) {

@@ -3,6 +3,7 @@
 #include <cpl_error.h>
 #include <gdal.h>
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -37,9 +38,18 @@ struct CloseDataset {
 };
 using Dataset = std::unique_ptr<std::remove_pointer_t<GDALDatasetH>, CloseDataset>;
 
-/// Makes room for `bytes` in GDAL's block cache, which has 64 MiB, or what the user's
-/// GDAL_CACHEMAX says, and never more than 1 GiB for our sake.
-void reserve_block_cache(double bytes);
+/// Room for `bytes`, at most 1 GiB, in GDAL's block cache while it lives. Without it the cache has
+/// 64 MiB, or more if the user's GDAL_CACHEMAX says so.
+class CacheRoom {
+  public:
+    explicit CacheRoom(double bytes);
+    CacheRoom(const CacheRoom&) = delete;
+    CacheRoom& operator=(const CacheRoom&) = delete;
+    ~CacheRoom();
+
+  private:
+    std::int64_t bytes_;
+};
 
 [[nodiscard]] GDALDataType gdal_type(SampleType type);
 

@@ -250,7 +250,8 @@ struct RasterReader::File {
     std::vector<Band> bands;
     Raster description;
     std::int64_t step = 1;  ///< rows read at a time: whole blocks, about a million samples
-    std::mutex gdal;        ///< a dataset serves one thread at a time
+    std::optional<detail::CacheRoom> room = {};
+    std::mutex gdal;  ///< a dataset serves one thread at a time
 
     ~File() {
         const GdalScope quiet;
@@ -338,7 +339,7 @@ Result<RasterReader> RasterReader::open(const std::string& path) {
     const std::int64_t block_rows = file->bands.front().block_rows;
     file->step =
         std::max<std::int64_t>(1, (std::int64_t{1} << 20) / cols / block_rows) * block_rows;
-    detail::reserve_block_cache(bytes_of_block_row(file->bands, cols));
+    file->room.emplace(bytes_of_block_row(file->bands, cols));
     return RasterReader(std::move(file));
 }
 
