@@ -46,7 +46,7 @@ void for_rows(const FvsGrid<double>& grid, Run run) {
         });
 }
 
-/// Sum of u v w (or u v), added in the order of rows whatever the threads.
+/// Sum of u v, added in the order of rows whatever the threads.
 double dot(const FvsGrid<double>& u, const FvsGrid<double>& v) {
     std::array<std::vector<double>, spline::kFvsPlanes> sums;
     for (std::size_t p = 0; p < spline::kFvsPlanes; ++p)
