@@ -1,4 +1,4 @@
-#include "relief/multires/fvs_fit.h"
+#include "relief/multires/fvs_grid_fit.h"
 
 #include "multires/fvs_support.h"
 #include "relief/core/parallel.h"
@@ -29,7 +29,7 @@ Grid<double> franke_samples(std::int64_t n) {
 }
 
 /// Section 7 of the specification, from 129 x 129 samples; its points are not given.
-TEST(FvsFit, FrankeTable) {
+TEST(FvsGridFit, FrankeTable) {
     struct Row {
         int level;
         double max;
@@ -47,7 +47,7 @@ TEST(FvsFit, FrankeTable) {
 }
 
 /// Splines of the space come back, also where the raster ends within a cell.
-TEST(FvsFit, ReproducesItsSpace) {
+TEST(FvsGridFit, ReproducesItsSpace) {
     const FvsGrid<double> original = noisy_grid<double>(6, 5, 3, 4, 4);
     FvsGrid<double> copy = clone(original);
     const auto surface = std::move(spline::FvsSurface<double>::create(std::move(copy))).value();
@@ -62,7 +62,7 @@ TEST(FvsFit, ReproducesItsSpace) {
 }
 
 /// A hole does not change the fit far away and is filled smoothly: with a plane by that plane.
-TEST(FvsFit, HolesAreContinued) {
+TEST(FvsGridFit, HolesAreContinued) {
     const std::int64_t n = 65;
     Grid<float> values(n, n);
     Grid<std::uint8_t> mask(n, n, std::uint8_t{1});
@@ -82,7 +82,7 @@ TEST(FvsFit, HolesAreContinued) {
         }
 }
 
-TEST(FvsFit, ThreadsDoNotShow) {
+TEST(FvsGridFit, ThreadsDoNotShow) {
     const Grid<double> values = test::noise_grid<double>(120, 90, 4);
     const auto reference = fit_fvs_grid<double>(values.view(), {}, 1);
     set_thread_count(3);
@@ -91,7 +91,7 @@ TEST(FvsFit, ThreadsDoNotShow) {
     EXPECT_EQ(largest_difference(*reference, *other), 0);
 }
 
-TEST(FvsFit, WrongCallsAreRefused) {
+TEST(FvsGridFit, WrongCallsAreRefused) {
     Grid<double> values = test::noise_grid<double>(9, 9, 1);
     const Grid<std::uint8_t> none(9, 9, std::uint8_t{0}), small(8, 9, std::uint8_t{1});
     const auto code = [&](GridView<const std::uint8_t> mask, int level) {

@@ -1,4 +1,4 @@
-#include "relief/multires/fvs_fit.h"
+#include "relief/multires/fvs_grid_fit.h"
 
 #include <algorithm>
 #include <array>
