@@ -1,5 +1,6 @@
 #include "codec/level_chunks.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -18,23 +19,37 @@ std::vector<std::size_t> bands_of(const multires::PyramidLayout& layout, int num
     return bands;
 }
 
+void add_views(const multires::PyramidLayout& layout, std::size_t band, const Quantised& quantised,
+               bool predict, std::vector<BandView>& views) {
+    for (const Grid<std::int32_t>& plane : quantised.values[band])
+        // The coder writes through views only when it decodes.
+        views.push_back(
+            {layout.bands[band].box,
+             {const_cast<std::int32_t*>(plane.row(0)), plane.rows(), plane.cols(), plane.stride()},
+             predict});
+}
+
 std::vector<BandView> views_of(const multires::PyramidLayout& layout, int number,
                                const Quantised& quantised) {
     std::vector<BandView> views;
     for (const std::size_t k : bands_of(layout, number))
-        for (const Grid<std::int32_t>& plane : quantised.values[k])
-            // The coder writes through views only when it decodes.
-            views.push_back({layout.bands[k].box,
-                             {const_cast<std::int32_t*>(plane.row(0)), plane.rows(), plane.cols(),
-                              plane.stride()},
-                             number == 0});
+        add_views(layout, k, quantised, number == 0, views);
     return views;
 }
 
-/// The views of the next coarser details; none above the coarsest.
+/// The views of the next coarser details of the same channels; none above the coarsest.
 std::vector<BandView> parents_of(const multires::PyramidLayout& layout, int number,
                                  const Quantised& quantised) {
-    return number < 2 ? std::vector<BandView>{} : views_of(layout, number - 1, quantised);
+    std::vector<BandView> views;
+    if (number < 2) return views;
+    const std::vector<std::size_t> coarser = bands_of(layout, number - 1);
+    for (const std::size_t k : bands_of(layout, number)) {
+        const auto parent = std::find_if(coarser.begin(), coarser.end(), [&](std::size_t other) {
+            return layout.bands[other].channel == layout.bands[k].channel;
+        });
+        if (parent != coarser.end()) add_views(layout, *parent, quantised, false, views);
+    }
+    return views;
 }
 
 }  // namespace
