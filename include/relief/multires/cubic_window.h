@@ -13,10 +13,10 @@
 namespace relief::multires::cubic {
 
 /// The part of every band, in the order of the layout, that the values of `level` on `window`
-/// depend on. Each level adds 6 even and 12 odd rows and columns on every side, cut at the band; over
-/// all levels a box is at most 18 coefficients larger than the window. Bands of `level` and finer
-/// ones are not needed and have an empty box. Requires: 0 <= level <= levels;
-/// `window` not empty and inside scaling_box(layout, level). Complexity: O(levels).
+/// depend on. Each level adds 6 even and 12 odd rows and columns on every side, cut at the band;
+/// over all levels a box is at most 18 coefficients larger than the window. Bands of `level` and
+/// finer ones are not needed and have an empty box. Requires: 0 <= level <= levels; `window` not
+/// empty and inside scaling_box(layout, level). Complexity: O(levels).
 [[nodiscard]] std::vector<LatticeBox> needed_boxes(const PyramidLayout& layout, int level,
                                                    const LatticeBox& window);
 
