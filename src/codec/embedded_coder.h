@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -19,7 +20,7 @@ struct StreamBand {
     int level = 1;    ///< 1: the finest
     int channel = 0;  ///< 0: scaling; details count from 1
     LatticeBox box;
-    GridView<std::int32_t> values;         ///< box.rows x box.cols, magnitudes up to 2^30
+    GridView<std::int32_t> values;         ///< box.rows x box.cols, above -2^31
     GridView<const std::uint8_t> worth{};  ///< for encoders: see quantise_band; empty: keep all
 };
 
@@ -38,7 +39,7 @@ enum class StreamProfile : std::uint8_t { Dense, Fast };
 struct PassEnd {
     int plane = 0;
     int pass = 1;  ///< 1, 2, 3
-    std::uint32_t bytes = 0;
+    std::size_t bytes = 0;
 };
 
 struct EmbeddedStream {

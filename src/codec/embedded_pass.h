@@ -1,13 +1,16 @@
 #pragma once
 
+#include <array>
 #include <bit>
-#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <vector>
 
 #include "codec/embedded_band.h"
 #include "codec/embedded_model.h"
+#include "codec/level_model.h"
 #include "codec/range_coder.h"
 
 namespace relief::codec {
@@ -16,11 +19,10 @@ namespace relief::codec {
 template <class Coder>
 class Thrifty : public Coder {
   public:
-    /// Of the next decision only.
+    /// What the next decision, with the sign that follows a 1, may cost in bits.
     void set_worth(double bits) { worth_ = bits; }
 
     bool code(bool bit, std::uint32_t one) {
-        // A sign comes with every 1.
         if (bit && worth_ < 1 - kOdds.stretch[one >> 4] / kOddsPerBit) bit = false;
         worth_ = kPriceless;
         return Coder::code(bit, one);
@@ -29,245 +31,332 @@ class Thrifty : public Coder {
   private:
     static constexpr double kOddsPerBit = 177.4456782334599;  // 256 ln 2
     static constexpr double kPriceless = std::numeric_limits<double>::infinity();
+
     double worth_ = kPriceless;
 };
 
-/// Codes the passes of a stream. One text for encoder and decoder: see range_coder.h.
+/// Codes the passes of a stream. One text for encoder and decoder: see range_coder.h. Encoders are
+/// Thrifty.
 template <class Coder, int kSets>
-class StreamCoder {
+class PassCoder {
   public:
-    StreamCoder(Coder& coder, std::vector<EmbeddedBand>& bands, double bits_per_squared_error)
+    /// bits_per_worth: what a unit of StreamBand::worth may cost.
+    PassCoder(Coder& coder, std::vector<EmbeddedBand>& bands, double bits_per_worth)
         : coder_(coder),
           bands_(bands),
-          model_(new EmbeddedModel),
-          price_(bits_per_squared_error / 64) {}
+          bits_per_worth_(bits_per_worth),
+          model_(new EmbeddedModel<kSets>) {}
 
     void code_pass(int plane, int pass) {
         plane_ = plane;
+        plane_class_ = std::min(static_cast<std::uint32_t>(plane), Contexts::kPlanes - 1);
+        pass_ = pass;
         for (EmbeddedBand& band : bands_) {
             if (plane >= band.planes) continue;
             band_ = &band;
-            kind_ = band.kind;
+            const int kind = std::min<int>(band.source.channel, Contexts::kKinds - 1);
+            kind_ = static_cast<std::uint32_t>(kind);
             if (pass == 1) band.begin_plane(plane);
-            for (std::int64_t r = 0; r < band.source.box.rows; ++r) code_row(r, pass);
+            for (row_ = band.row0; row_ < band.row0 + band.source.box.rows; ++row_) code_row();
         }
     }
 
   private:
-    static constexpr std::uint16_t kLikely = 80;  // an expected magnitude of 1/2
+    using Contexts = EmbeddedContexts;
+    using Context = std::uint32_t;
 
-    void code_row(std::int64_t r, int pass) {
+    static constexpr std::size_t kBlock = 64;
+    /// Columns of which nothing is expected are coded so many at a time.
+    static constexpr std::size_t kGroup = 16;
+    static constexpr int kGroupBits = 4;
+
+    /// Weights of known magnitudes, which come in eighths, in the expected one.
+    static constexpr int kCross = 18, kDiagonal = 9, kFar = 6, kKnight = 3;
+    static constexpr int kSibling = 5, kParent = 7, kParentCross = 2;
+    static constexpr int kExpectedOne = 8 * 20;
+    static constexpr int kNearCross = 2;
+    static_assert(255 * (4 * (kCross + kDiagonal + kFar) + 8 * (kKnight + kSibling) + kParent +
+                         4 * kParentCross) <
+                  65536);
+
+    void code_row() {
         EmbeddedBand& b = *band_;
-        const std::int64_t row = b.row0 + r;
-        values_ = b.source.values.row(r) - b.col0;
-        worth_ = b.source.worth.data ? b.source.worth.row(r) - b.col0 : nullptr;
+        const std::int64_t r = row_ - b.row0;
+        values_ = b.source.values.row(r);
+        worth_ = b.source.worth.count() != 0 ? b.source.worth.row(r) : nullptr;
         for (std::int64_t w = 0; w < b.words(); ++w) {
-            const std::uint64_t significant = b.significant.row(row)[w];
-            const std::uint64_t todo = pass == 1 ? b.columns(w) & ~significant
-                                       : pass == 2
-                                           ? significant & ~b.visited.row(row)[w]
-                                           : b.columns(w) & ~significant & ~b.visited.row(row)[w];
+            const std::uint64_t significant = b.significant(row_, w);
+            std::uint64_t todo = pass_ == 2 ? significant : b.columns(w) & ~significant;
+            if (pass_ > 1) todo &= ~b.visited(row_, w);
             if (todo == 0) continue;
-            look_around(row, w);
-            if (pass == 2)
-                refine(row, w, todo);
+            first_ = 64 * w;
+            look_across();
+            look_around();
+            if (pass_ == 1)
+                b.visited(row_, w) = find_likely(todo);
+            else if (pass_ == 2)
+                refine(todo);
             else
-                search(row, w, todo, pass == 1 ? kLikely : 0);
+                find(todo);
         }
     }
 
-    void search(std::int64_t row, std::int64_t w, std::uint64_t todo, std::uint16_t least) {
-        EmbeddedBand& b = *band_;
-        std::uint64_t coded = 0;
-        std::uint64_t found = 0;
+    /// Pass 1 of a block: codes which of the columns `todo` become significant, where an expected
+    /// magnitude of at least 1/2 asks for it. Returns the columns coded.
+    std::uint64_t find_likely(std::uint64_t todo) {
+        std::uint64_t visited = 0;
         for (; todo != 0; todo &= todo - 1) {
             const auto k = static_cast<std::size_t>(std::countr_zero(todo));
-            if (expected_[k] < least) continue;
-            const std::uint64_t bit = todo & (~todo + 1);
-            coded |= bit;
-            const std::int64_t c = 64 * w + static_cast<std::int64_t>(k);
-            if (!code_significance(c, k)) continue;
-            found |= bit;
-            const bool negative = code_sign(row, c);
-            if constexpr (Coder::kDecodes) values_[c] = (negative ? -1 : 1) * (1 << plane_);
-            b.sign.row(row)[c] = negative ? -1 : 1;
-            learn(row, c, k, known_magnitude(1));
+            if (expected_[k] < kExpectedOne / 2) continue;
+            visited |= std::uint64_t{1} << k;
+            if (code_found(k)) begin_value(k);
         }
-        b.visited.row(row)[w] |= coded;
-        b.significant.row(row)[w] |= found;
+        return visited;
     }
 
-    void refine(std::int64_t row, std::int64_t w, std::uint64_t todo) {
-        band_->visited.row(row)[w] |= todo;
+    /// Pass 3 of a block: the same for all columns `todo`.
+    void find(std::uint64_t todo) {
+        while (todo != 0) {
+            auto k = static_cast<std::size_t>(std::countr_zero(todo));
+            bool found = false;
+            if (is_quiet(todo, k)) {
+                const std::size_t gap = code_gap(k);
+                found = gap < kGroup;
+                k += gap;
+                todo &= found ? ~std::uint64_t{1} << k : ~lowest_group() << (k - kGroup);
+            } else {
+                found = code_found(k);
+                todo &= todo - 1;
+            }
+            if (found) begin_value(k);
+        }
+    }
+
+    static constexpr std::uint64_t lowest_group() { return (std::uint64_t{1} << kGroup) - 1; }
+
+    /// Nothing is expected of the group of columns that starts at k, and all are to be coded.
+    [[nodiscard]] bool is_quiet(std::uint64_t todo, std::size_t k) const {
+        if (k % kGroup != 0 || (~todo >> k & lowest_group()) != 0) return false;
+        std::uint32_t any = 0;
+        for (std::size_t i = k; i < k + kGroup; ++i) any |= expected_[i];
+        return any == 0;
+    }
+
+    /// How many columns from k on stay 0 before one of the group does not.
+    std::size_t code_gap(std::size_t k) {
+        std::size_t gap = kGroup;
+        if constexpr (!Coder::kDecodes) gap = find_gap(k);
+        const Context context = Contexts::kGap + kind_ * Contexts::kPlanes + plane_class_;
+        Chance& chance = model_->chances[context];
+        const bool any = coder_.code(gap < kGroup, codable(chance.one >> 16));
+        chance.update(any);
+        if (any) return coder_.code_raw(static_cast<std::uint32_t>(gap), kGroupBits);
+        if constexpr (!Coder::kDecodes)
+            if (gap < kGroup) value(k + gap) = 0;
+        return kGroup;
+    }
+
+    /// The gap in what is to be encoded. A value that is alone in its group may be dropped.
+    std::size_t find_gap(std::size_t k) {
+        std::size_t gap = kGroup;
+        std::size_t values = 0;
+        for (std::size_t i = kGroup; i-- > 0;) {
+            if (magnitude_of(value(k + i)) >> plane_ == 0) continue;
+            gap = i;
+            ++values;
+        }
+        if (values == 1) offer(k + gap, kGroupBits);
+        return gap;
+    }
+
+    /// Lets the encoder drop the value of column k if it is not worth its bits, and `more` bits.
+    void offer(std::size_t k, double more) {
+        if (plane_ == 0 && worth_) coder_.set_worth(bits_per_worth_ * worth_[index(k)] - more);
+    }
+
+    /// Pass 2 of a block.
+    void refine(std::uint64_t todo) {
         for (; todo != 0; todo &= todo - 1) {
             const auto k = static_cast<std::size_t>(std::countr_zero(todo));
-            const std::int64_t c = 64 * w + static_cast<std::int64_t>(k);
-            const std::uint32_t magnitude = magnitude_of(values_[c]);
-            const std::uint32_t prefix = magnitude >> (plane_ + 1);
-            const bool bit = code_bit((magnitude >> plane_ & 1) != 0, prefix, k);
-            if constexpr (Coder::kDecodes)
-                values_[c] += bit ? (values_[c] < 0 ? -1 : 1) * (1 << plane_) : 0;
-            learn(row, c, k, known_magnitude(2 * prefix + bit));
+            std::int32_t& v = value(k);
+            const std::uint32_t known = magnitude_of(v) >> plane_;
+            const bool bit = code_bit((known & 1) != 0, known / 2, k);
+            if constexpr (Coder::kDecodes) v += (v < 0 ? -bit : bit) * (1 << plane_);
+            learn(k, known_magnitude((known & ~1U) + bit));
         }
     }
 
-    void learn(std::int64_t row, std::int64_t c, std::size_t k, std::uint8_t known) {
-        std::uint8_t& at = band_->known.row(row)[c];
-        const auto gain = static_cast<std::uint16_t>(known - at);
+    /// The column of the frame, and that of the band's values.
+    [[nodiscard]] std::int64_t column(std::size_t k) const {
+        return first_ + static_cast<std::int64_t>(k);
+    }
+    [[nodiscard]] std::int64_t index(std::size_t k) const { return column(k) - band_->col0; }
+    std::int32_t& value(std::size_t k) { return values_[index(k)]; }
+
+    void begin_value(std::size_t k) {
+        std::int32_t& v = value(k);
+        const bool negative = code_sign(v < 0, k);
+        if constexpr (Coder::kDecodes) v = (negative ? -1 : 1) * (1 << plane_);
+        band_->sign.row(row_)[column(k)] = negative ? -1 : 1;
+        band_->significant(row_, first_ / 64) |= std::uint64_t{1} << k;
+        learn(k, known_magnitude(1));
+    }
+
+    /// Sums of the columns to come count what is known of column k from now on.
+    void learn(std::size_t k, std::uint8_t known) {
+        std::uint8_t& at = band_->known.row(row_)[column(k)];
+        const int more = known - at;
         at = known;
-        near_[k + 1] = static_cast<std::uint16_t>(near_[k + 1] + 2 * gain);
-        expected_[k + 1] = static_cast<std::uint16_t>(expected_[k + 1] + 18 * gain);
-        expected_[k + 2] = static_cast<std::uint16_t>(expected_[k + 2] + 6 * gain);
+        add(near_[k + 1], kNearCross * more);
+        add(expected_[k + 1], kCross * more);
+        add(expected_[k + 2], kFar * more);
     }
 
-    void look_around(std::int64_t row, std::int64_t w) {
-        look_across(row, w);
-        const EmbeddedBand& b = *band_;
-        const std::uint8_t* at = b.known.row(row) + 64 * w;
-        const std::uint8_t* n = b.known.row(row - 1) + 64 * w;
-        const std::uint8_t* s = b.known.row(row + 1) + 64 * w;
-        const std::uint8_t* nn = b.known.row(row - 2) + 64 * w;
-        const std::uint8_t* ss = b.known.row(row + 2) + 64 * w;
-        for (std::ptrdiff_t k = 0; k < 64; ++k) {
-            const int cross = at[k - 1] + at[k + 1] + n[k] + s[k];
+    static void add(std::uint16_t& sum, int more) { sum = static_cast<std::uint16_t>(sum + more); }
+
+    /// Sums over the neighbours of each column of a block, and over all that tells about it.
+    void look_around() {
+        const RimmedGrid<std::uint8_t>& known = band_->known;
+        const std::uint8_t* nn = known.row(row_ - 2) + first_;
+        const std::uint8_t* n = known.row(row_ - 1) + first_;
+        const std::uint8_t* at = known.row(row_) + first_;
+        const std::uint8_t* s = known.row(row_ + 1) + first_;
+        const std::uint8_t* ss = known.row(row_ + 2) + first_;
+        for (std::ptrdiff_t k = 0; k < static_cast<std::ptrdiff_t>(kBlock); ++k) {
+            const int cross = n[k] + s[k] + at[k - 1] + at[k + 1];
             const int diagonal = n[k - 1] + n[k + 1] + s[k - 1] + s[k + 1];
-            const int far = at[k - 2] + at[k + 2] + nn[k] + ss[k];
-            const int knights = n[k - 2] + n[k + 2] + s[k - 2] + s[k + 2] + nn[k - 1] + nn[k + 1] +
-                                ss[k - 1] + ss[k + 1];
-            near_[k] = static_cast<std::uint16_t>(2 * cross + diagonal);
-            expected_[k] = static_cast<std::uint16_t>(18 * cross + 9 * diagonal + 6 * far +
-                                                      3 * knights + across_[k]);
+            const int far = nn[k] + ss[k] + at[k - 2] + at[k + 2];
+            const int knight = nn[k - 1] + nn[k + 1] + n[k - 2] + n[k + 2] + s[k - 2] + s[k + 2] +
+                               ss[k - 1] + ss[k + 1];
+            near_[k] = static_cast<std::uint16_t>(kNearCross * cross + diagonal);
+            expected_[k] = static_cast<std::uint16_t>(kCross * cross + kDiagonal * diagonal +
+                                                      kFar * far + kKnight * knight +
+                                                      kSibling * siblings_[k] + parents_[k]);
         }
     }
 
-    void look_across(std::int64_t row, std::int64_t w) {
-        const EmbeddedBand& b = *band_;
-        const std::uint8_t* p = b.parent.row(row >> 1) + 32 * w;
-        const std::uint8_t* pn = b.parent.row((row >> 1) - 1) + 32 * w;
-        const std::uint8_t* ps = b.parent.row((row >> 1) + 1) + 32 * w;
-        for (std::ptrdiff_t k = 0; k < 32; ++k) {
-            const auto sum =
-                static_cast<std::uint16_t>(7 * p[k] + 2 * (p[k - 1] + p[k + 1] + pn[k] + ps[k]));
-            across_[2 * k] = sum;
-            across_[2 * k + 1] = sum;
+    void look_across() {
+        const std::uint8_t* n = band_->above.row(row_ / 2 - 1) + first_ / 2;
+        const std::uint8_t* at = band_->above.row(row_ / 2) + first_ / 2;
+        const std::uint8_t* s = band_->above.row(row_ / 2 + 1) + first_ / 2;
+        for (std::ptrdiff_t k = 0; k < static_cast<std::ptrdiff_t>(kBlock / 2); ++k) {
+            const int sum = kParent * at[k] + kParentCross * (n[k] + s[k] + at[k - 1] + at[k + 1]);
+            parents_[2 * k] = parents_[2 * k + 1] = static_cast<std::uint16_t>(sum);
         }
-        sibling_.fill(0);
-        switch (b.kind) {
-            case 1:
-                add_sibling(b.siblings[1], row, 64 * w, 2);
-                break;
-            case 2:
-                add_sibling(b.siblings[0], row, 64 * w, 2);
-                add_sibling(b.siblings[0], row, 64 * w - 1, 1);
-                add_sibling(b.siblings[0], row + 1, 64 * w, 1);
-                break;
-            case 3:
-                add_sibling(b.siblings[1], row, 64 * w, 2);
-                add_sibling(b.siblings[1], row, 64 * w + 1, 1);
-                add_sibling(b.siblings[0], row, 64 * w, 2);
-                add_sibling(b.siblings[0], row + 1, 64 * w, 1);
-                break;
+        siblings_.fill(0);
+        for (const EmbeddedBand::Tap& tap : band_->siblings) {
+            const std::uint8_t* other = tap.band->known.row(row_ + tap.row) + first_ + tap.col;
+            for (std::size_t k = 0; k < kBlock; ++k) add(siblings_[k], tap.weight * other[k]);
         }
-        for (std::size_t k = 0; k < 64; ++k)
-            across_[k] = static_cast<std::uint16_t>(across_[k] + 5 * sibling_[k]);
     }
 
-    void add_sibling(const EmbeddedBand* s, std::int64_t row, std::int64_t c, int weight) {
-        if (!s) return;
-        const std::uint8_t* at = s->known.row(row) + c;
-        for (std::size_t k = 0; k < 64; ++k)
-            sibling_[k] = static_cast<std::uint16_t>(sibling_[k] + weight * at[k]);
+    /// Classes of sums: four, two and one an octave from 1 on.
+    static Context expected_class(std::uint32_t sum) {
+        return log_class(sum >> 4, Contexts::kExpected - 1);
     }
-
-    template <std::size_t nA, std::size_t nB>
-    bool mixed(bool bit, const std::array<Slot*, 3>& slots, MixWeights<3>& a, MixWeights<3>& b,
-               Refinement& refinement) {
-        return code_mixed2<3>(coder_, bit, slots, a, b, refinement);
+    static Context near_class(std::uint32_t sum) {
+        return log_class(sum >> 2, 2 * Contexts::kNear - 1) / 2;
     }
+    static Context siblings_class(std::uint32_t sum) {
+        return log_class(sum >> 2, 4 * Contexts::kSiblings - 1) / 4;
+    }
+    static Context size_class(std::uint32_t sum) {
+        return log_class(sum >> 1, 4 * Contexts::kSizes - 1) / 4;
+    }
+    static Context prefix_class(std::uint32_t prefix) {
+        if (prefix < 8) return prefix - 1;
+        return std::min(static_cast<Context>(std::bit_width(prefix)) + 3, Contexts::kPrefixes - 1);
+    }
+    static Context sign_class(int sign) { return static_cast<Context>(sign + 1); }
 
-    bool code_significance(std::int64_t c, std::size_t k) {
-        EmbeddedModel& m = *model_;
-        const std::uint32_t near = log_class(near_[k] >> 2, 2 * EmbeddedModel::kNear - 1) / 2;
-        const std::uint32_t expected = log_class(expected_[k] >> 3, EmbeddedModel::kExpected - 1);
-        const std::uint32_t sibling =
-            log_class(sibling_[k] >> 2, 4 * EmbeddedModel::kSiblings - 1) / 4;
-        const std::uint32_t p = std::min<std::uint32_t>(plane_, EmbeddedModel::kPlanes - 1);
-        const bool bit = magnitude_of(values_[c]) >> plane_ != 0;
-        if constexpr (requires { coder_.set_worth(1.0); })
-            if (bit && plane_ == 0 && worth_) coder_.set_worth(worth_[c] * price_);
+    /// Whether the value of column k becomes significant. An encoder may drop it instead.
+    bool code_found(std::size_t k) {
+        bool bit = false;
+        if constexpr (!Coder::kDecodes) {
+            bit = magnitude_of(value(k)) >> plane_ != 0;
+            if (bit) offer(k, 0);
+        }
+        const Context expected = expected_class(expected_[k]);
         const bool coded =
-            code_mixed2<3>(coder_, bit,
-                           {&m.significant_near[kind_ * EmbeddedModel::kNear + near],
-                            &m.significant_expected[(kind_ * EmbeddedModel::kPlanes + p) *
-                                                        EmbeddedModel::kExpected +
-                                                    expected],
-                            &m.significant_siblings[(kind_ * EmbeddedModel::kSiblings + sibling) *
-                                                        EmbeddedModel::kExpected +
-                                                    expected]},
-                           m.significant_mix[kind_], m.significant_mix_expected[expected],
-                           m.significant_refinement[kind_ * EmbeddedModel::kExpected + expected]);
-        if (bit && !coded) values_[c] = 0;
+            code(bit,
+                 {Contexts::kFoundExpected +
+                      (kind_ * Contexts::kPlanes + plane_class_) * Contexts::kExpected + expected,
+                  Contexts::kFoundNear + kind_ * Contexts::kNear + near_class(near_[k]),
+                  Contexts::kFoundSiblings +
+                      (kind_ * Contexts::kSiblings + siblings_class(siblings_[k])) *
+                          Contexts::kExpected +
+                      expected},
+                 model_->found, expected);
+        if constexpr (!Coder::kDecodes)
+            if (bit && !coded) value(k) = 0;
         return coded;
     }
 
-    static std::uint32_t sign_class(int sign) { return static_cast<std::uint32_t>(sign + 1); }
-
-    bool code_sign(std::int64_t row, std::int64_t c) {
-        EmbeddedModel& m = *model_;
-        const EmbeddedBand& b = *band_;
-        const std::int8_t* at = b.sign.row(row) + c;
-        const std::uint32_t w = sign_class(at[-1]), e = sign_class(at[1]);
-        const std::uint32_t n = sign_class(b.sign.row(row - 1)[c]),
-                            s = sign_class(b.sign.row(row + 1)[c]);
-        const std::uint32_t z1 =
-            sign_class(b.kind > 1 && b.siblings[0] ? b.siblings[0]->sign.row(row)[c] : 0);
-        const std::uint32_t z2 =
-            sign_class(b.kind == 3 && b.siblings[1]   ? b.siblings[1]->sign.row(row)[c]
-                       : b.kind == 2 && b.siblings[0] ? b.siblings[0]->sign.row(row + 1)[c]
-                                                      : 0);
-        const std::uint8_t* known = b.known.row(row) + c;
-        const std::uint32_t pair = log_class(static_cast<std::uint32_t>(known[-1] + known[1]) >> 1,
-                                             4 * EmbeddedModel::kPairs - 1) /
-                                   4;
-        return code_mixed2<3>(
-            coder_, values_[c] < 0,
-            {&m.sign_ring[kind_ * 81 + ((w * 3 + e) * 3 + n) * 3 + s],
-             &m.sign_siblings[kind_ * 81 + ((w * 3 + n) * 3 + z1) * 3 + z2],
-             &m.sign_pair[(kind_ * 9 + w * 3 + e) * EmbeddedModel::kPairs + pair]},
-            m.sign_mix[kind_], m.sign_mix2[0], m.sign_refinement[kind_]);
+    bool code_sign(bool negative, std::size_t k) {
+        const std::int64_t c = column(k);
+        const std::int8_t* at = band_->sign.row(row_) + c;
+        const std::uint8_t* known = band_->known.row(row_) + c;
+        const auto sibling = [&](const EmbeddedBand* other) {
+            return sign_class(other ? other->sign.row(row_)[c] : 0);
+        };
+        const Context w = sign_class(at[-1]);
+        const Context e = sign_class(at[1]);
+        const Context n = sign_class(band_->sign.row(row_ - 1)[c]);
+        const Context s = sign_class(band_->sign.row(row_ + 1)[c]);
+        const Context near = sibling(band_->signed_siblings[0]);
+        const Context next = sibling(band_->signed_siblings[1]);
+        const auto size = size_class(static_cast<std::uint32_t>(known[-1] + known[1]));
+        return code(negative,
+                    {Contexts::kSignSiblings + kind_ * Contexts::kSigns +
+                         ((w * 3 + n) * 3 + near) * 3 + next,
+                     Contexts::kSignRing + kind_ * Contexts::kSigns + ((w * 3 + e) * 3 + n) * 3 + s,
+                     Contexts::kSignPair + ((kind_ * 3 + w) * 3 + e) * Contexts::kSizes + size},
+                    model_->sign, 0);
     }
 
+    /// The next bit of a value whose known bits are `prefix`.
     bool code_bit(bool bit, std::uint32_t prefix, std::size_t k) {
-        EmbeddedModel& m = *model_;
-        const std::uint32_t size = prefix < 8    ? prefix - 1
-                                   : prefix < 16 ? 7
-                                   : prefix < 32 ? 8
-                                   : prefix < 64 ? 9
-                                                 : 10;
-        const std::uint32_t near = log_class(near_[k] >> 2, 2 * EmbeddedModel::kNear - 1) / 2;
-        const std::uint32_t p = std::min<std::uint32_t>(plane_, EmbeddedModel::kPlanes - 1);
-        return code_mixed2<3>(
-            coder_, bit,
-            {&m.bit_prefix[kind_ * EmbeddedModel::kPrefixes + size],
-             &m.bit_plane[(kind_ * EmbeddedModel::kPlanes + p) * EmbeddedModel::kPrefixes + size],
-             &m.bit_near[(kind_ * EmbeddedModel::kNear + near) * EmbeddedModel::kPrefixes + size]},
-            m.bit_mix[kind_], m.bit_mix2[size],
-            m.bit_refinement[kind_ * EmbeddedModel::kPrefixes + size]);
+        const Context size = prefix_class(prefix);
+        return code(
+            bit,
+            {Contexts::kBitPlane +
+                 (kind_ * Contexts::kPlanes + plane_class_) * Contexts::kPrefixes + size,
+             Contexts::kBitPrefix + kind_ * Contexts::kPrefixes + size,
+             Contexts::kBitNear +
+                 (kind_ * Contexts::kNear + near_class(near_[k])) * Contexts::kPrefixes + size},
+            model_->bit, size);
+    }
+
+    template <std::uint32_t kClasses>
+    bool code(bool bit, const std::array<Context, 3>& contexts,
+              EmbeddedWeights<kSets, kClasses>& weights, Context weight_class) {
+        std::array<Chance*, kSets> chances;
+        for (std::size_t k = 0; k < kSets; ++k) chances[k] = &model_->chances[contexts[k]];
+        return code_blended<kSets>(coder_, bit, chances, weights.by_kind[kind_],
+                                   weights.by_class[weight_class]);
     }
 
     Coder& coder_;
     std::vector<EmbeddedBand>& bands_;
-    std::unique_ptr<EmbeddedModel> model_;
-    double price_;  ///< bits for a unit of worth
-    EmbeddedBand* band_ = nullptr;
-    std::uint32_t kind_ = 0;
+    double bits_per_worth_;
+    std::unique_ptr<EmbeddedModel<kSets>> model_;
+
     int plane_ = 0;
+    Context plane_class_ = 0;
+    int pass_ = 1;
+    EmbeddedBand* band_ = nullptr;
+    Context kind_ = 0;
+    std::int64_t row_ = 0;  ///< of the frame
     std::int32_t* values_ = nullptr;
     const std::uint8_t* worth_ = nullptr;
-    std::array<std::uint16_t, 66> near_{};
-    std::array<std::uint16_t, 66> expected_{};
-    std::array<std::uint16_t, 64> across_{};
-    std::array<std::uint16_t, 64> sibling_{};
+    std::int64_t first_ = 0;  ///< column of the frame where the block starts
+
+    /// Of the columns of the block: 2 (W + E + N + S) + diagonals; what is to be expected; siblings
+    /// and parents in it. Two columns more for what the last ones add behind them.
+    std::array<std::uint16_t, kBlock + 2> near_{};
+    std::array<std::uint16_t, kBlock + 2> expected_{};
+    std::array<std::uint16_t, kBlock> siblings_{};
+    std::array<std::uint16_t, kBlock> parents_{};
 };
 
 }  // namespace relief::codec
