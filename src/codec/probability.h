@@ -136,4 +136,43 @@ bool code_mixed(Coder& coder, bool bit, const std::array<Slot*, kSets>& slots,
     return bit;
 }
 
+template <int kSets, class Coder>
+bool code_mixed2(Coder& coder, bool bit, const std::array<Slot*, kSets>& slots,
+                 MixWeights<kSets>& mix, MixWeights<kSets>& mix2, Refinement& refinement) {
+    std::array<std::int32_t, 2 * kSets> odds;
+    std::int64_t sum = 0, sum2 = 0;
+    for (std::size_t k = 0; k < kSets; ++k) {
+        odds[2 * k] = kOdds.stretch[slots[k]->slow >> 20];
+        odds[2 * k + 1] = kOdds.stretch[slots[k]->fast >> 4];
+        sum += std::int64_t{mix.weights[2 * k]} * odds[2 * k];
+        sum += std::int64_t{mix.weights[2 * k + 1]} * odds[2 * k + 1];
+        sum2 += std::int64_t{mix2.weights[2 * k]} * odds[2 * k];
+        sum2 += std::int64_t{mix2.weights[2 * k + 1]} * odds[2 * k + 1];
+    }
+    const std::int64_t mixed =
+        std::clamp<std::int64_t>((sum + sum2) >> 17, -kOddsLimit, kOddsLimit);
+    const auto position = static_cast<std::uint32_t>(mixed + kOddsLimit);
+    const std::uint32_t predicted = kOdds.squash[position];
+
+    constexpr std::uint32_t kStep = Refinement::kStep;
+    const std::uint32_t cell = std::min(position / kStep, Refinement::kCells - 2);
+    const std::uint32_t part = position - cell * kStep;
+    std::uint16_t* around = &refinement.cells[cell];
+    const std::uint32_t refined = (around[0] * (kStep - part) + around[1] * part) / kStep;
+
+    bit = coder.code(bit, codable((predicted + refined) / 2));
+
+    const std::int32_t target = bit ? 65535 : 0;
+    const std::int64_t m1 =
+        std::clamp<std::int64_t>(sum >> 16, -kOddsLimit, kOddsLimit) + kOddsLimit;
+    const std::int64_t m2 =
+        std::clamp<std::int64_t>(sum2 >> 16, -kOddsLimit, kOddsLimit) + kOddsLimit;
+    mix.update(odds, target - static_cast<std::int32_t>(kOdds.squash[m1]));
+    mix2.update(odds, target - static_cast<std::int32_t>(kOdds.squash[m2]));
+    std::uint16_t& nearest = around[part >= kStep / 2];
+    nearest = static_cast<std::uint16_t>(nearest + ((target - std::int32_t{nearest} + 32) >> 6));
+    for (Slot* slot : slots) slot->update(bit);
+    return bit;
+}
+
 }  // namespace relief::codec

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -17,6 +18,13 @@
 /// both: code(bit, one) returns the bit that was coded, which for the decoder does not depend on
 /// its argument.
 namespace relief::codec {
+
+/// A moment of an encoder: the low end of its interval, as the number of bytes written and the 64
+/// bits that follow them.
+struct CodePoint {
+    std::size_t written = 0;
+    std::uint64_t low = 0;
+};
 
 class RangeEncoder {
   public:
@@ -41,6 +49,9 @@ class RangeEncoder {
         renormalise();
         return value;
     }
+
+    /// To be asked what it needs of the finished bytes: see bytes_up_to.
+    [[nodiscard]] CodePoint point() const { return {bytes_.size(), low_}; }
 
     /// Writes the shortest byte string that decodes, the decoder reading zeros behind it, and
     /// returns all bytes. The encoder must not be used afterwards.
@@ -78,6 +89,21 @@ class RangeEncoder {
     std::uint64_t range_ = ~std::uint64_t{0};
     std::vector<std::uint8_t> bytes_;
 };
+
+/// The least number of leading bytes of a finished code from which a decoder, reading zeros behind
+/// them, decodes all that was coded before `point`. The code value lies in the interval of that
+/// moment, so cutting it must only not bring it below the interval's low end.
+inline std::size_t bytes_up_to(std::span<const std::uint8_t> bytes, const CodePoint& point) {
+    std::uint64_t window = 0;
+    for (std::size_t k = point.written; k < point.written + 8; ++k)
+        window = window << 8 | (k < bytes.size() ? bytes[k] : 0U);
+    std::size_t needed = point.written;
+    // A window below means that a carry has since raised the bytes before it: they suffice alone.
+    if (window >= point.low)
+        for (std::uint64_t cut = ~std::uint64_t{0}; (window & ~cut) < point.low; cut >>= 8)
+            ++needed;
+    return std::min(needed, bytes.size());
+}
 
 class RangeDecoder {
   public:

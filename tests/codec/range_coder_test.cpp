@@ -59,6 +59,32 @@ TEST(RangeCoder, CarriesTravel) {
     });
 }
 
+/// What was coded before a point decodes from the bytes up to it, whatever was coded afterwards.
+TEST(RangeCoder, CutsDecodeUpToTheirPoint) {
+    rc::check([] {
+        const auto bits = *rc::gen::container<std::vector<bool>>(150, rc::gen::arbitrary<bool>());
+        const auto one = *rc::gen::element(1U, 300U, 32768U, 65000U, 65535U);
+        RangeEncoder encoder;
+        CostCounter counter;
+        std::vector<CodePoint> points;
+        std::vector<double> costs;
+        for (const bool bit : bits) {
+            encoder.code(bit, one);
+            counter.code(bit, one);
+            points.push_back(encoder.point());
+            costs.push_back(counter.bits());
+        }
+        const auto bytes = encoder.finish();
+        for (std::size_t n = 0; n < points.size(); ++n) {
+            const std::size_t needed = bytes_up_to(bytes, points[n]);
+            // The bytes written lag behind by up to 4; the rest of the 64 bits may be needed too.
+            RC_ASSERT(8.0 * static_cast<double>(needed) <= costs[n] + 64);
+            RangeDecoder decoder({bytes.data(), needed});
+            for (std::size_t k = 0; k <= n; ++k) RC_ASSERT(decoder.code(false, one) == bits[k]);
+        }
+    });
+}
+
 TEST(RangeCoder, RawBitsMixWithDecisions) {
     std::mt19937 engine(4);
     std::vector<std::pair<std::uint32_t, int>> values;
