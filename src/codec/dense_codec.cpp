@@ -3,12 +3,14 @@
 #include <cmath>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "codec/dense_forecast.h"
 #include "codec/dense_least_squares.h"
 #include "codec/dense_model.h"
+#include "codec/dense_rules.h"
 #include "codec/lattice_level.h"
 #include "codec/range_coder.h"
 
@@ -49,6 +51,7 @@ struct DenseState {
     /// [kind][which nearest samples are higher][scale][signs]
     std::array<std::array<std::array<std::array<Bias, kSignPairs>, kCoarseScales>, 16>, kKinds>
         biases;
+    std::array<InterpolationRules::Scores, kKinds> rule_scores = {};
     std::uint32_t candidates = 0;  ///< samples that might teach the regressions, in all
 
     void begin_level() {
@@ -79,7 +82,11 @@ class LevelPass {
           level_(level),
           source_(source),
           half_(level.step / 2),
-          per_step_(1.0 / level.step) {}
+          per_step_(1.0 / level.step) {
+        if (level.step > 1) return;
+        for (InterpolationRules::Scores& scores : state.rule_scores)
+            rules_.emplace_back((level.cols() + 1) / 2, scores);
+    }
 
     void run() {
         state_.begin_level();
@@ -102,6 +109,7 @@ class LevelPass {
         std::int16_t* quotients;
         std::array<const std::int32_t*, 4> nearest;
         std::array<const std::int16_t*, 2> signs;
+        InterpolationRules* rules;  ///< null where they do not apply
 
         [[nodiscard]] std::size_t number() const { return static_cast<std::size_t>(kind); }
     };
@@ -120,7 +128,8 @@ class LevelPass {
                 .values = level_.values.row(r),
                 .quotients = level_.quotients.row(r),
                 .nearest = {},
-                .signs = {}};
+                .signs = {},
+                .rules = rules_.empty() || kind == Kind::Diagonal ? nullptr : &rules_[number]};
         for (std::size_t n = 0; n < 4; ++n) {
             const Offset offset = row.stencil.nearest[n];
             row.nearest[n] = level_.values.row(r + offset.row) + offset.col;
@@ -138,15 +147,18 @@ class LevelPass {
         const Row row = row_of(kind, r);
         forecast_.make(level_, kind, r, state_.regressions[row.number()].weights());
         lessons_.clear();
+        if (row.rules) row.rules->begin_row();
         const std::uint8_t* valid = level_.valid.row(r);
         for (std::int64_t k = 0; k < forecast_.count; ++k) {
             const std::int64_t c = forecast_.first + 2 * k;
-            const double p =
+            const double learnt =
                 forecast_.line[static_cast<std::size_t>(k)] + row.west_weight * row.values[c - 2];
-            if (valid[c])
-                code_sample(row, k, p);
-            else
-                row.values[c] = nearest_integer(in_range(p));
+            if (valid[c]) {
+                code_sample(row, k, learnt);
+            } else {
+                row.values[c] = nearest_integer(in_range(learnt));
+                if (row.rules) row.rules->skip(k);
+            }
         }
         learn(row);
     }
@@ -155,47 +167,90 @@ class LevelPass {
         return std::clamp<double>(p, level_.lowest, level_.highest);
     }
 
-    void code_sample(const Row& row, std::int64_t k, double p) {
+    void code_sample(const Row& row, std::int64_t k, double learnt) {
+        const std::int64_t c = forecast_.first + 2 * k;
+        Situation s;
+        const float scale = describe(row, k, learnt, s);
+        InterpolationRules::Predictions interpolated;
+        std::optional<std::size_t> rule;
+        if (row.rules) {
+            interpolated = interpolate(row, c);
+            rule = row.rules->find(k);
+        }
+        Bias* bias = nullptr;
+        double p = learnt;
+        if (rule) {
+            p = interpolated[*rule];
+            s.scale = *rule;  // a class below that of kScale.least
+        } else {
+            bias = &bias_of(row, c, learnt, s);
+            p += kBias.share * bias->mean() * level_.step;
+        }
+        const std::int32_t q = code_quotient(row, k, p, s);
+
+        // A sample that repeats its prediction says nothing new, unless it is exact.
+        const bool echo = q == 0 && !s.exact;
+        const auto error = static_cast<float>((row.values[c] - p) * per_step_);
+        if (bias) bias->update(echo ? 0 : std::clamp(error, -kBias.error_limit, kBias.error_limit));
+        if (row.rules) row.rules->learn(k, row.values[c], interpolated, learnt);
+        if (teaches(row, c, q != 0 && !s.exact && scale < kLearning.surprising_below)) {
+            const double m = scale;
+            const double weight = per_step_ * per_step_ / (m * m + 1);
+            lessons_.push_back({c, echo ? kLearning.echo * weight : weight});
+        }
+    }
+
+    /// Fills all of `s` but what depends on the rounding of the prediction; returns the expected
+    /// magnitude.
+    float describe(const Row& row, std::int64_t k, double p, Situation& s) const {
         const std::int64_t c = forecast_.first + 2 * k;
         const auto i = static_cast<std::size_t>(k);
-        const auto per_step = static_cast<float>(per_step_);
         const std::int32_t around =
             forecast_.around[i] + row.stencil.west_share * std::abs(row.quotients[c - 2]);
-        const double gap = forecast_.second[i] - p;
+        const float gap = steps(forecast_.second[i] - p);
         const float scale = forecast_.calm[i] + kScale.around * static_cast<float>(around) +
-                            kScale.gap * std::abs(static_cast<float>(gap) * per_step);
-        Situation s;
+                            kScale.gap * std::abs(gap);
         s.kind = row.number();
         s.scale = octave_class(scale);
         s.texture = forecast_.texture[i];
         s.sums = sum_class(around >> 1) * kSums + forecast_.inherited[i];
         s.signs = sign_class(row.signs[0][c]) + 3 * sign_class(row.signs[1][c]);
         s.exact = level_.step == 1;
+        return scale;
+    }
 
+    Bias& bias_of(const Row& row, std::int64_t c, double p, const Situation& s) {
         std::size_t higher = 0;
         for (const std::int32_t* nearest : row.nearest) higher = 2 * higher + (nearest[c] > p);
-        Bias& bias = state_.biases[s.kind][higher][coarse_scale(s.scale)][s.signs];
-        p += kBias.share * bias.mean() * level_.step;
+        return state_.biases[s.kind][higher][coarse_scale(s.scale)][s.signs];
+    }
+
+    std::int32_t code_quotient(const Row& row, std::int64_t k, double p, Situation& s) {
+        const std::int64_t c = forecast_.first + 2 * k;
         const double bounded = in_range(p);
         const std::int32_t predicted = nearest_integer(bounded);
-        s.lost = static_cast<float>(bounded - predicted) * per_step;
-        s.dispute = static_cast<float>(forecast_.second[i] - p) * per_step;
-
+        s.lost = steps(bounded - predicted);
+        s.dispute = steps(forecast_.second[static_cast<std::size_t>(k)] - p);
         std::int32_t q = 0;
         if constexpr (!Coder::kDecodes) q = quotient(source_(row.index, c) - predicted);
         q = quotients_.code(q, s);
         row.values[c] = value(predicted, q);
         row.quotients[c] = static_cast<std::int16_t>(std::clamp(q, -kMostStored, kMostStored));
+        return q;
+    }
 
-        // A sample that repeats its prediction says nothing new, unless it is exact.
-        const bool echo = q == 0 && !s.exact;
-        const auto error = static_cast<float>((row.values[c] - p) * per_step_);
-        bias.update(echo ? 0 : std::clamp(error, -kBias.error_limit, kBias.error_limit));
-        if (teaches(row, c, q != 0 && !s.exact && scale < kLearning.surprising_below)) {
-            const double m = scale;
-            const double weight = per_step_ * per_step_ / (m * m + 1);
-            lessons_.push_back({c, echo ? kLearning.echo * weight : weight});
-        }
+    [[nodiscard]] float steps(double distance) const {
+        return static_cast<float>(distance) * static_cast<float>(per_step_);
+    }
+
+    [[nodiscard]] InterpolationRules::Predictions interpolate(const Row& row,
+                                                              std::int64_t c) const {
+        const std::array<double, 4> n = {
+            static_cast<double>(row.nearest[0][c]), static_cast<double>(row.nearest[1][c]),
+            static_cast<double>(row.nearest[2][c]), static_cast<double>(row.nearest[3][c])};
+        const Offset d = row.stencil.nearest[1];
+        return {(n[0] + n[3]) / 2, (n[1] + n[2]) / 2,
+                2 * n[1] - level_.values(row.index + 2 * d.row, c + 2 * d.col)};
     }
 
     [[nodiscard]] std::int32_t quotient(std::int32_t residual) const {
@@ -255,6 +310,7 @@ class LevelPass {
     std::int32_t half_;  ///< the largest error that needs no quotient
     double per_step_;
     RowForecast forecast_;
+    std::vector<InterpolationRules> rules_;  ///< of each kind, if the step is 1
     std::vector<Lesson> lessons_;
     std::vector<Equation> equations_;
 };
