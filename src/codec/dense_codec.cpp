@@ -256,7 +256,8 @@ class LevelPass {
     [[nodiscard]] std::int32_t quotient(std::int32_t residual) const {
         const std::int32_t size = std::abs(residual);
         if (size <= half_) return 0;
-        const auto q = static_cast<std::int32_t>((std::int64_t{size} + half_) / level_.step);
+        const auto sum = static_cast<std::uint32_t>(size) + static_cast<std::uint32_t>(half_);
+        const auto q = static_cast<std::int32_t>(sum / static_cast<std::uint32_t>(level_.step));
         return residual < 0 ? -q : q;
     }
 
@@ -275,29 +276,32 @@ class LevelPass {
     }
 
     void learn(const Row& row) {
-        equations_.clear();
-        for (const Lesson& lesson : lessons_) equations_.push_back(equation(row, lesson));
-        state_.regressions[row.number()].learn(equations_);
-    }
-
-    Equation equation(const Row& row, const Lesson& lesson) const {
-        const std::int64_t c = lesson.column;
-        const auto at = [&](Offset offset) -> double {
-            return level_.values(row.index + offset.row, c + offset.col);
-        };
-        double base = 0;
-        for (const std::int32_t* nearest : row.nearest) base += nearest[c];
-        base *= .25;
-        Equation equation;
+        const std::int64_t stride = level_.values.stride();
+        std::array<std::int64_t, kFeatures> first;
+        std::array<std::int64_t, kFeatures> second;
         for (std::size_t j = 0; j < kFeatures; ++j) {
             const Feature& feature = row.stencil.features[j];
-            double f = at(feature.first) - base;
-            if (feature.paired()) f += at(feature.second) - base;
-            equation.features[j] = f;
-            equation.weighted[j] = lesson.weight * f;
+            first[j] = feature.first.row * stride + feature.first.col;
+            second[j] = feature.second.row * stride + feature.second.col;
         }
-        equation.weighted[kFeatures] = lesson.weight * (row.values[c] - base);
-        return equation;
+        equations_.resize(lessons_.size());
+        for (std::size_t k = 0; k < lessons_.size(); ++k) {
+            const std::int64_t c = lessons_[k].column;
+            const double weight = lessons_[k].weight;
+            const std::int32_t* const value = row.values + c;
+            double base = 0;
+            for (const std::int32_t* nearest : row.nearest) base += nearest[c];
+            base *= .25;
+            std::array<double, kFeatures> features;
+            for (std::size_t j = 0; j < kFeatures; ++j) features[j] = value[first[j]] - base;
+            for (std::size_t j = row.stencil.singles; j < kFeatures; ++j)
+                features[j] += value[second[j]] - base;
+            for (std::size_t j = 0; j < kFeatures; ++j)
+                equations_[k].weighted[j] = weight * features[j];
+            equations_[k].features = features;
+            equations_[k].weighted[kFeatures] = weight * (*value - base);
+        }
+        state_.regressions[row.number()].learn(equations_);
     }
 
     static constexpr std::int32_t kMostStored = 30000;
