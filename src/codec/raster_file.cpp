@@ -147,6 +147,9 @@ const multires::SchemeSpec& RasterFile::spec() const {
 const PyramidLayout& RasterFile::layout() const {
     return state_->layout;
 }
+bool RasterFile::has_holes() const {
+    return state_->header.has_mask;
+}
 bool RasterFile::closed_loop() const {
     return state_->header.lattice.has_value();
 }

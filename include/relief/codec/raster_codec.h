@@ -131,6 +131,8 @@ class RasterFile {
     /// The bands of the control coefficients of all levels. Files of the closed loop have those of
     /// scheme `cubic`: their control coefficients are samples.
     [[nodiscard]] const multires::PyramidLayout& layout() const;
+    /// Some samples are not valid.
+    [[nodiscard]] bool has_holes() const;
     /// Made by the closed loop, in tiles that are decoded on demand.
     [[nodiscard]] bool closed_loop() const;
     /// Of a closed-loop file: "fast" or "dense"; else empty.
