@@ -259,7 +259,7 @@ Result<Outcome> run(const Decode& options, const Globals& globals) {
     const std::optional<double> bound = source->bound();
     Outcome outcome;
     outcome.json = Json{{"samples", window->rows * window->cols},
-                        {"bytes_read", file.bytes_for(options.level)},
+                        {"bytes_read", file.bytes_read()},
                         {"level", options.level},
                         {"bound", bound ? json_number(*bound) : Json(nullptr)},
                         {"rows", window->rows},
@@ -269,7 +269,7 @@ Result<Outcome> run(const Decode& options, const Globals& globals) {
                         {"seconds", watch.seconds()}};
     outcome.text = fmt::format("{}: {} x {} samples of level {}, {} bytes read\n", options.out,
                                window->cols, window->rows, options.level,
-                               grouped(static_cast<std::int64_t>(file.bytes_for(options.level))));
+                               grouped(static_cast<std::int64_t>(file.bytes_read())));
     if (bound) outcome.text += fmt::format("within {} of the original\n", shown(*bound));
     if (!source->damaged().empty())
         outcome.text += fmt::format("{} damaged tiles were filled in from coarser levels\n",

@@ -227,6 +227,10 @@ std::uint64_t RasterFile::bytes_for(int level) const {
     return state_->body->bytes_for(level);
 }
 
+std::uint64_t RasterFile::bytes_read() const {
+    return state_->container->bytes_read();
+}
+
 LatticeBox RasterFile::box(int level) const {
     const std::int64_t step = std::int64_t{1} << level;
     return {0, 0, (layout().rows + step - 1) / step, (layout().cols + step - 1) / step};

@@ -157,6 +157,8 @@ class RasterFile {
     /// Verified error, at all samples of the original raster, of the surface that the file gives
     /// when nothing finer than `level` is read; none if edited or unknown.
     [[nodiscard]] std::optional<double> surface_bound(int level) const;
+    /// Bytes of the file that were read so far. Coarse tiles are kept, others read again.
+    [[nodiscard]] std::uint64_t bytes_read() const;
     /// How many first bytes of the file decoding `level` needs.
     [[nodiscard]] std::uint64_t bytes_for(int level) const;
 
