@@ -146,8 +146,7 @@ Result<EncodeReport> encode_raster(const RasterSource& source, const EncodeOptio
                                    ByteSink& sink, Spool& spool) {
     RELIEF_CHECK(check(source, options.goal));
     SchemeSpec spec = options.spec.value_or(best_scheme(options.goal));
-    const bool bounded = options.goal.kind == Kind::MaxError || options.goal.kind == Kind::Lossless;
-    if (spec.id == SchemeId::Fvs && bounded) {
+    if (spec.id == SchemeId::Fvs && is_bound(options.goal)) {
         LatticeWriter writer(source, options, sink, spool);
         RELIEF_TRY(const bool done, writer.run());
         if (done) return writer.report();

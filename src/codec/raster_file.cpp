@@ -124,7 +124,8 @@ Result<RasterFile> RasterFile::open(std::shared_ptr<const ByteSource> source,
     const std::uint64_t size = source->size();
     RELIEF_CHECK(state->open(std::move(source), visible));
     const std::uint64_t whole = state->container->complete_size();
-    if (visible >= size && size < whole)
+    const bool all = visible == std::numeric_limits<std::uint64_t>::max();
+    if (all && size < whole)
         return Error{ErrorCode::BadFile,
                      "is cut off: " + std::to_string(size) + " of " + std::to_string(whole) +
                          " bytes are there; 'decode --bytes " + std::to_string(size) +
