@@ -378,7 +378,7 @@ TEST(RowForecast, SumsBaseAndFeatures) {
             for (std::size_t j = 0; j < kFeatures; ++j) {
                 const Feature& feature = stencil.features[j];
                 expected += stencil.weights[j] * (at(feature.first) - base);
-                if (feature.paired()) expected += stencil.weights[j] * (at(feature.second) - base);
+                if (j >= stencil.singles) expected += stencil.weights[j] * (at(feature.second) - base);
             }
             double second = base;
             for (std::size_t j = 0; j < stencil.ring_size; ++j)
