@@ -56,9 +56,10 @@ bool code_mixed(Coder& coder, bool bit, Estimate& a, Estimate& b, Estimate& c, M
     const std::array<std::int32_t, Mixer::kInputs> odds = {kOdds.stretch[a.twelve_bits()],
                                                            kOdds.stretch[b.twelve_bits()],
                                                            kOdds.stretch[c.twelve_bits()]};
-    std::int32_t sum = 0;
-    for (std::size_t k = 0; k < Mixer::kInputs; ++k) sum += mixer.weights[k] * odds[k];
-    const std::int32_t mixed = std::clamp(sum >> 14, -kOddsLimit, kOddsLimit);
+    std::int64_t sum = 0;  // hostile bytes may drive weights far
+    for (std::size_t k = 0; k < Mixer::kInputs; ++k)
+        sum += std::int64_t{mixer.weights[k]} * odds[k];
+    const std::int64_t mixed = std::clamp<std::int64_t>(sum >> 14, -kOddsLimit, kOddsLimit);
     const auto position = static_cast<std::uint32_t>(mixed + kOddsLimit);
     const std::uint32_t predicted = kOdds.squash[position];
 
