@@ -147,6 +147,9 @@ const multires::SchemeSpec& RasterFile::spec() const {
 const PyramidLayout& RasterFile::layout() const {
     return state_->layout;
 }
+bool RasterFile::has_holes() const {
+    return state_->header.has_mask;
+}
 bool RasterFile::closed_loop() const {
     return state_->header.lattice.has_value();
 }
@@ -222,6 +225,10 @@ std::optional<double> RasterFile::surface_bound(int level) const {
 
 std::uint64_t RasterFile::bytes_for(int level) const {
     return state_->body->bytes_for(level);
+}
+
+std::uint64_t RasterFile::bytes_read() const {
+    return state_->container->bytes_read();
 }
 
 LatticeBox RasterFile::box(int level) const {
