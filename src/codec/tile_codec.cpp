@@ -302,7 +302,10 @@ class TileEncoder {
           finest_(TileTree::kTierLevels * tier),
           levels_(tree.levels()),
           ranges_(chunk_ranges(tree, tier)),
-          codec_(coding, tree, tier, tile, samples.valid) {}
+          codec_(coding, tree, tier, tile, samples.valid) {
+        for (std::size_t c = 0; c < coding.domains.size(); ++c)
+            beyond_.push_back(coding.domains[c].outliers ? largest_outlier(c) : 0);
+    }
 
     Result<EncodedTile> run(TileState start, TileState check) {
         EncodedTile tile;
@@ -335,6 +338,20 @@ class TileEncoder {
   private:
     [[nodiscard]] bool is_valid(std::int64_t r, std::int64_t c) const {
         return samples_.valid.empty() || samples_.valid(r, c) != 0;
+    }
+
+    /// The largest distance of a sample from what its integer stands for.
+    [[nodiscard]] double largest_outlier(std::size_t component) const {
+        const IntegerDomain& domain = coding_.domains[component];
+        const Grid<double>& originals = samples_.originals[component];
+        double largest = 0;
+        for (std::int64_t r = 0; r < originals.rows(); ++r)
+            for (std::int64_t c = 0; c < originals.cols(); ++c)
+                if (is_valid(r, c))
+                    largest = std::max(
+                        largest,
+                        std::abs(originals(r, c) - domain.value(samples_.values[component](r, c))));
+        return largest;
     }
 
     /// Decodes what was written.
@@ -408,9 +425,10 @@ class TileEncoder {
             }
             largest = std::max<std::int64_t>(largest, row_largest);
         }
-        // Conversion of samples to integers is half a unit off at most.
+        // Conversion of samples to integers is half a unit off at most, but for outliers.
         const IntegerDomain& domain = coding_.domains[component];
-        return domain.unit * (static_cast<double>(largest) + 0.5) + domain.rounding;
+        return domain.unit * (static_cast<double>(largest) + 0.5) + domain.rounding +
+               beyond_[component];
     }
 
     /// Errors of the decoded samples; those over the bound become repairs.
@@ -490,6 +508,7 @@ class TileEncoder {
     int levels_;
     std::vector<LevelRange> ranges_;
     TileCodec codec_;
+    std::vector<double> beyond_;  ///< how far samples of a component lie outside of its integers
 };
 
 }  // namespace
