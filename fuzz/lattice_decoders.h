@@ -104,18 +104,18 @@ inline bool same_samples(const LatticeLevel& a, const LatticeLevel& b) {
     return true;
 }
 
-/// What was decoded, encoded from `blank` by a codec in the same state, decodes to the same as the
-/// encoder left.
-inline void check_round_trip(const LatticeLevel& decoded, const LatticeLevel& blank,
-                             const LevelCodec& before) {
+/// What was decoded from a level, encoded by a codec in the state before, decodes to the same as
+/// the encoder left.
+inline void check_round_trip(const LatticeLevel& decoded, const LevelShape& shape,
+                             LatticeLevel& above, const LevelCodec& before) {
     Grid<std::int32_t> source(decoded.rows(), decoded.cols());
     for (std::int64_t r = 0; r < source.rows(); ++r)
         for (std::int64_t c = 0; c < source.cols(); ++c)
             source(r, c) = std::clamp(decoded.values(r, c), decoded.lowest, decoded.highest);
-    LatticeLevel meant = blank;
+    LatticeLevel meant = shape.below(above);
     Bytes coded;
     before.descendant()->encode(meant, source.view(), coded);
-    LatticeLevel again = blank;
+    LatticeLevel again = shape.below(above);
     require(before.descendant()->decode(again, coded).ok());
     require(same_samples(meant, again));
     for (std::int64_t r = 0; r < source.rows(); ++r)
@@ -132,7 +132,6 @@ inline void lattice_level(std::span<const std::uint8_t> bytes) {
     LatticeLevel level = shape.coarse();
     while (level.level > 0) {
         LatticeLevel next = shape.below(level);
-        const LatticeLevel blank = next;
         const auto before = codec->descendant();
         const bool good = codec->decode(next, in.part()).ok();
         fill_edge_margins(next);
@@ -141,7 +140,7 @@ inline void lattice_level(std::span<const std::uint8_t> bytes) {
                 require(next.values(r, c) >= -shape.highest - shape.step / 2 &&
                         next.values(r, c) <= 2 * std::int64_t{shape.highest} + shape.step / 2);
         if (!good) return;
-        check_round_trip(next, blank, *before);
+        check_round_trip(next, shape, level, *before);
         level = std::move(next);
     }
 }

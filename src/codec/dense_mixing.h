@@ -7,7 +7,7 @@
 #include "codec/probability.h"
 
 /// Adaptive probabilities of the dense profile: one estimate for each of three contexts, mixed and
-/// refined. docs/format.md, "Dense levels".
+/// refined. docs/format.md, "Profile dense".
 namespace relief::codec::dense {
 
 /// The probability that a decision in one context is 1, in 22 bits above the number of decisions

@@ -8,7 +8,7 @@
 
 /// The numbers of the dense profile of the closed loop: which samples predict, with which weights
 /// they start, and how the expected magnitude of a quotient is made. Source: codec-closed-loop,
-/// section 4; docs/codec.md lists the same tables.
+/// section 4; docs/format.md, "Profile dense", lists the same tables.
 namespace relief::codec::dense {
 
 /// What is coded: D samples; E samples on odd rows, whose vertical neighbours are EE; E samples on
