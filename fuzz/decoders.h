@@ -124,7 +124,8 @@ inline void explore_window(const RasterFile& file, int level, const Result<Raste
                         value == whole->planes[p](part.row0 + r, part.col0 + c));
             }
     const auto surface = RasterSurface::create(file, level, part);
-    require(surface.ok());
+    require(surface.ok() == window->damaged.empty());
+    if (!surface.ok()) return;
     Grid<double> grid(3, 4);
     for (int p = 0; p < surface->components(); ++p)
         surface->evaluate_grid(p, static_cast<double>(part.row0), 0.3,

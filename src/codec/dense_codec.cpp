@@ -42,7 +42,7 @@ class Bias {
     std::uint32_t visits_ = 0;
 };
 
-/// All that a tile learns from its samples. About 280 KB.
+/// All that a tile learns from its samples: cheap to copy against coding it.
 struct DenseState {
     DenseModel model;
     std::array<RidgeRegression, kKinds> regressions = {RidgeRegression(kStencils[0].weights),
@@ -59,6 +59,8 @@ struct DenseState {
         model.contexts.trust_at_most(kInheritedVisits);
     }
 };
+
+static_assert(sizeof(DenseState) < 300 * 1024);
 
 /// floor(x + 0.5) for |x| < 2^30.
 std::int32_t nearest_integer(double x) {
@@ -171,7 +173,7 @@ class LevelPass {
         const std::int64_t c = forecast_.first + 2 * k;
         Situation s;
         const float scale = describe(row, k, learnt, s);
-        InterpolationRules::Predictions interpolated;
+        InterpolationRules::Predictions interpolated{};
         std::optional<std::size_t> rule;
         if (row.rules) {
             interpolated = interpolate(row, c);

@@ -8,7 +8,7 @@
 
 /// The numbers of the dense profile of the closed loop: which samples predict, with which weights
 /// they start, and how the expected magnitude of a quotient is made. Source: codec-closed-loop,
-/// section 4; docs/format.md, "Profile dense", lists the same tables.
+/// section 4.
 namespace relief::codec::dense {
 
 /// What is coded: D samples; E samples on odd rows, whose vertical neighbours are EE; E samples on
@@ -183,7 +183,7 @@ struct BiasRules {
 inline constexpr BiasRules kBias;
 
 /// What a new level trusts an estimate of the coarser levels: as many decisions at most.
-inline constexpr std::uint32_t kInheritedVisits = 16;
+inline constexpr std::uint32_t kInheritedVisits = 10;
 
 /// Limits of the classes of |prediction - rounded prediction| / step and of |second opinion -
 /// prediction| / step.

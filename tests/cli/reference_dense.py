@@ -140,7 +140,7 @@ class Dense:
 
     def decode(self, level, data, number, step):
         for estimate in self.estimates.values():
-            estimate[1] = min(estimate[1], 16)
+            estimate[1] = min(estimate[1], 10)
         for regression in self.regressions:
             regression.fade()
         level.misses = {}
@@ -161,22 +161,25 @@ class Dense:
         x += ((bit * (2**22 - 1) - x) * rate(visits)) >> 16
         estimate[:] = x, min(visits + 1, 1023)
 
-    def mixed(self, coder, keys, mixer, refinement):
+    def mixed(self, coder, keys, mixer, refinement=None):
         estimates = [self.estimate(key) for key in keys]
         weights = self.mixers.setdefault(mixer, [5898] * 3)
-        cells = self.refinements.setdefault(refinement, SQUASH[::128])
         s = [STRETCH[x >> 10] for x, _ in estimates]
         y = clamp(sum(a * b for a, b in zip(weights, s)) >> 14, -3072, 3072)
-        predicted = SQUASH[y + 3072]
-        c = min((y + 3072) // 128, 47)
-        f = y + 3072 - 128 * c
-        corrected = (cells[c] * (128 - f) + cells[c + 1] * f) // 128
-        bit = coder.bit(clamp((predicted + corrected) // 2, 16, 65520))
+        predicted = one = SQUASH[y + 3072]
+        if refinement:
+            cells = self.refinements.setdefault(refinement, SQUASH[::128])
+            c = min((y + 3072) // 128, 47)
+            f = y + 3072 - 128 * c
+            one = (predicted + (cells[c] * (128 - f) + cells[c + 1] * f) // 128) // 2
+        bit = coder.bit(clamp(one, 16, 65520))
         target = 65535 * bit
         for k in range(3):
-            weights[k] += (s[k] * ((target - predicted) >> 3) + 2**15) >> 16
-        nearest = c if f < 64 else c + 1
-        cells[nearest] += (target - cells[nearest]) >> 6
+            change = (s[k] * ((target - predicted) >> 2) + 2**15) >> 16
+            weights[k] = clamp(weights[k] + change, -2**17, 2**17)
+        if refinement:
+            nearest = c if f < 64 else c + 1
+            cells[nearest] += (target - cells[nearest]) >> 6
         for estimate in estimates:
             self.update(estimate, bit)
         return bit
@@ -336,22 +339,20 @@ class DenseRow:
                 return ("exact scale", kind, e, lean, node), ("exact sums", kind, m, lean, node), texture
             return ("scale", kind, e, node), ("sums", kind, m, node), texture
 
-        def decide(keys, mixer, refinement):
-            return self.state.mixed(coder, keys, mixer, refinement)
-
-        if not decide(nodes(0, fraction), ("zero", kind, coarse), ("zero", kind, e)):
+        decide = self.state.mixed
+        if not decide(coder, nodes(0, fraction), ("zero", kind, coarse), ("zero", kind, e)):
             return 0
         lean = fraction + 4 if fraction and lost < 0 else fraction
         distance = reached(about["dispute"], DISPUTE)
         dispute = 5 - distance if about["dispute"] < 0 else 5 + distance
-        negative = decide((("lean", kind, signs, lean), ("sign scale", signs, e),
-                           ("dispute", lean, dispute)), ("sign", kind), ("sign", lean))
+        negative = decide(coder, (("lean", kind, signs, lean), ("sign scale", signs, e),
+                                  ("dispute", lean, dispute)), ("sign", kind))
         agrees = fraction and bool(negative) == (lost < 0)
         lean = fraction + 4 if agrees else fraction
         bucket = 0
         while bucket < 61:
             node = min(bucket + 1, 15)
-            if not decide(nodes(node, lean), ("beyond", node, coarse), ("beyond", node, coarse)):
+            if not decide(coder, nodes(node, lean), ("beyond", node, coarse)):
                 break
             bucket += 1
         magnitude = 1 + (bucket if bucket < 4 else self.place(bucket))

@@ -370,7 +370,8 @@ TEST(RasterCodec, LargestSamplesSurvive) {
     for (std::int64_t r = 0; r < 12; ++r)
         for (std::int64_t c = 0; c < 12; ++c)
             raster.planes[0](r, c) = (r + c) % 2 == 0 ? 1e45 : -1e45;
-    for (const SchemeId id : {SchemeId::Box, SchemeId::Barycentric, SchemeId::Cubic, SchemeId::Fvs}) {
+    for (const SchemeId id :
+         {SchemeId::Box, SchemeId::Barycentric, SchemeId::Cubic, SchemeId::Fvs}) {
         const SchemeSpec spec{.id = id};
         const auto file = encode_raster(raster, {.spec = spec, .goal = {Kind::Lossless, 0}});
         ASSERT_TRUE(file.ok()) << file.error().text();
