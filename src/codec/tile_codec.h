@@ -14,7 +14,7 @@
 #include "relief/core/stream.h"
 
 /// One tile of a closed-loop file: its chunks and the samples that they give. docs/format.md,
-/// "Chunks of a tile".
+/// "Tiles of lattices".
 namespace relief::codec {
 
 class ByteReader;

@@ -166,8 +166,7 @@ class Dense:
         weights = self.mixers.setdefault(mixer, [5898] * 3)
         s = [STRETCH[x >> 10] for x, _ in estimates]
         y = clamp(sum(a * b for a, b in zip(weights, s)) >> 14, -3072, 3072)
-        predicted = SQUASH[y + 3072]
-        one = predicted
+        predicted = one = SQUASH[y + 3072]
         if refinement:
             cells = self.refinements.setdefault(refinement, SQUASH[::128])
             c = min((y + 3072) // 128, 47)
@@ -340,22 +339,20 @@ class DenseRow:
                 return ("exact scale", kind, e, lean, node), ("exact sums", kind, m, lean, node), texture
             return ("scale", kind, e, node), ("sums", kind, m, node), texture
 
-        def decide(keys, mixer, refinement=None):
-            return self.state.mixed(coder, keys, mixer, refinement)
-
-        if not decide(nodes(0, fraction), ("zero", kind, coarse), ("zero", kind, e)):
+        decide = self.state.mixed
+        if not decide(coder, nodes(0, fraction), ("zero", kind, coarse), ("zero", kind, e)):
             return 0
         lean = fraction + 4 if fraction and lost < 0 else fraction
         distance = reached(about["dispute"], DISPUTE)
         dispute = 5 - distance if about["dispute"] < 0 else 5 + distance
-        negative = decide((("lean", kind, signs, lean), ("sign scale", signs, e),
-                           ("dispute", lean, dispute)), ("sign", kind))
+        negative = decide(coder, (("lean", kind, signs, lean), ("sign scale", signs, e),
+                                  ("dispute", lean, dispute)), ("sign", kind))
         agrees = fraction and bool(negative) == (lost < 0)
         lean = fraction + 4 if agrees else fraction
         bucket = 0
         while bucket < 61:
             node = min(bucket + 1, 15)
-            if not decide(nodes(node, lean), ("beyond", node, coarse)):
+            if not decide(coder, nodes(node, lean), ("beyond", node, coarse)):
                 break
             bucket += 1
         magnitude = 1 + (bucket if bucket < 4 else self.place(bucket))
