@@ -10,7 +10,15 @@ namespace relief::peers {
 
 namespace {
 
-constexpr const char* kPath = "/vsimem/peer.tif";
+/// The name of a file in GDAL's memory, which ends with this.
+struct MemoryFile {
+    MemoryFile() = default;
+    MemoryFile(const MemoryFile&) = delete;
+    MemoryFile& operator=(const MemoryFile&) = delete;
+    ~MemoryFile() { VSIUnlink(kPath); }
+
+    static constexpr const char* kPath = "/vsimem/peer.tif";
+};
 
 struct DatasetClose {
     void operator()(GDALDatasetH dataset) const { GDALClose(dataset); }
@@ -39,8 +47,10 @@ Dataset wrap(const Field& field) {
 }
 
 Result<Decoded> read(const Bytes& bytes, const Field& about, const LatticeBox& window) {
-    VSIFCloseL(VSIFileFromMemBuffer(kPath, const_cast<GByte*>(bytes.data()), bytes.size(), FALSE));
-    const Dataset dataset(GDALOpen(kPath, GA_ReadOnly));
+    const MemoryFile file;
+    VSIFCloseL(VSIFileFromMemBuffer(file.kPath, const_cast<GByte*>(bytes.data()), bytes.size(),
+                                    FALSE));  // it only reads
+    const Dataset dataset(GDALOpen(file.kPath, GA_ReadOnly));
     const auto cols = static_cast<int>(window.cols);
     const auto rows = static_cast<int>(window.rows);
     const auto fill = [&](auto values) -> Result<Decoded> {
@@ -75,14 +85,14 @@ class GeoTiff final : public Peer {
         if (plain) options.AddString(field.integer() ? "PREDICTOR=2" : "PREDICTOR=3");
         const Dataset from = wrap(field);
         if (!from) return refused(ErrorCode::BadInput, "GDAL's driver MEM");
-        Dataset file(GDALCreateCopy(GDALGetDriverByName(driver_), kPath, from.get(), FALSE,
+        const MemoryFile file;
+        Dataset copy(GDALCreateCopy(GDALGetDriverByName(driver_), file.kPath, from.get(), FALSE,
                                     options.List(), nullptr, nullptr));
-        if (!file) return refused(ErrorCode::BadInput, "GDAL writing");
-        file.reset();
+        if (!copy) return refused(ErrorCode::BadInput, "GDAL writing");
+        copy.reset();  // writes the rest
         vsi_l_offset size = 0;
-        GByte* data = VSIGetMemFileBuffer(kPath, &size, FALSE);
+        const GByte* data = VSIGetMemFileBuffer(file.kPath, &size, FALSE);
         Bytes bytes(data, data + size);
-        VSIUnlink(kPath);
         return bytes;
     }
 
