@@ -38,10 +38,15 @@ Status check(const RasterSource& source, const Goal& goal) {
     return {};
 }
 
+/// The goal is a bound of every sample's error.
+bool is_bound(const Goal& goal) {
+    return goal.kind == Kind::MaxError || goal.kind == Kind::Lossless ||
+           (goal.kind == Kind::RmsError && goal.value == 0);
+}
+
 /// Bounds are kept best by quantising inside the prediction, squared errors by smooth bases.
 SchemeSpec best_scheme(const Goal& goal) {
-    const bool bounded = goal.kind == Kind::MaxError || goal.kind == Kind::Lossless;
-    return {.id = bounded ? SchemeId::Fvs : SchemeId::Cubic};
+    return {.id = is_bound(goal) ? SchemeId::Fvs : SchemeId::Cubic};
 }
 
 /// The closed loop to a sink.
@@ -53,7 +58,7 @@ class LatticeWriter {
 
     /// False: the samples do not fit its integers; nothing was written.
     Result<bool> run() {
-        const double bound = options_.goal.kind == Kind::Lossless ? 0 : options_.goal.value;
+        const double bound = options_.goal.kind == Kind::MaxError ? options_.goal.value : 0;
         RELIEF_TRY(const Survey seen, survey(source_, options_.progress));
         LatticeCoding coding;
         coding.profile = options_.profile;
@@ -77,7 +82,7 @@ class LatticeWriter {
         header.description = description_of(about);
         header.components = source_.components();
         header.has_mask = encoding.has_holes;
-        header.spec = {.id = SchemeId::Fvs, .order = 3, .levels = tree.levels()};
+        header.spec = {.id = SchemeId::Fvs, .levels = tree.levels()};
         header.goal = options_.goal;
         header.max_error = encoding.max_error;
         const auto values = static_cast<double>(encoding.samples) * header.components;
