@@ -28,17 +28,26 @@ std::uint64_t size_of(const EncodedTile& tile) {
     return size;
 }
 
+/// The mask of a part of a strip; empty if it has no hole.
+Grid<std::uint8_t> cut_mask(const Raster& strip, const LatticeBox& box, std::int64_t stride) {
+    if (strip.mask.empty()) return {};
+    Grid<std::uint8_t> valid(box.rows, box.cols);
+    bool holes = false;
+    for (std::int64_t r = 0; r < box.rows; ++r) {
+        const std::uint8_t* from = strip.mask.row((box.row0 + r) * stride) + box.col0 * stride;
+        for (std::int64_t c = 0; c < box.cols; ++c) {
+            valid(r, c) = from[c * stride] != 0;
+            holes |= from[c * stride] == 0;
+        }
+    }
+    return holes ? std::move(valid) : Grid<std::uint8_t>();
+}
+
 /// A part of a strip of samples as integers.
 TileSamples cut(const LatticeCoding& coding, const Raster& strip, const LatticeBox& box,
                 std::int64_t stride) {
     TileSamples samples;
-    if (!strip.mask.empty()) {
-        samples.valid = Grid<std::uint8_t>(box.rows, box.cols);
-        for (std::int64_t r = 0; r < box.rows; ++r)
-            for (std::int64_t c = 0; c < box.cols; ++c)
-                samples.valid(r, c) =
-                    strip.mask((box.row0 + r) * stride, (box.col0 + c) * stride) != 0;
-    }
+    samples.valid = cut_mask(strip, box, stride);
     for (std::size_t p = 0; p < coding.domains.size(); ++p) {
         const IntegerDomain& domain = coding.domains[p];
         Grid<double> originals(box.rows, box.cols);
@@ -46,12 +55,8 @@ TileSamples cut(const LatticeCoding& coding, const Raster& strip, const LatticeB
         for (std::int64_t r = 0; r < box.rows; ++r) {
             const double* from = strip.planes[p].row((box.row0 + r) * stride) + box.col0 * stride;
             double* original = originals.row(r);
-            std::int32_t* value = values.row(r);
-            const std::uint8_t* valid = samples.valid.empty() ? nullptr : samples.valid.row(r);
-            for (std::int64_t c = 0; c < box.cols; ++c) {
-                original[c] = from[c * stride];
-                value[c] = valid && !valid[c] ? 0 : domain.integer(original[c]);
-            }
+            for (std::int64_t c = 0; c < box.cols; ++c) original[c] = from[c * stride];
+            domain.integers(original, box.cols, values.row(r));
         }
         samples.originals.push_back(std::move(originals));
         samples.values.push_back(std::move(values));
@@ -117,10 +122,11 @@ class Encoder {
     }
 
     Result<EncodedTile> encode(const LatticeCoding& coding, const CoarseTiers& coarse, int tier,
-                               std::int64_t tile, const TileSamples& samples) const {
-        return encode_tile(coding, tree_, tier, tile, samples, start(coding, coarse, tier, tile),
-                           start(coding, coarse, tier, tile), options_.bound,
-                           tier == 0 && options_.measure_coarse);
+                               std::int64_t tile, const TileSamples& samples, TileCare care) const {
+        return encode_tile(
+            coding, tree_, tier, tile, samples, start(coding, coarse, tier, tile),
+            care == TileCare::Trial ? TileState() : start(coding, coarse, tier, tile),
+            options_.bound, care);
     }
 
     Result<CoarseTiers> encode_coarse(const LatticeCoding& coding) const {
@@ -150,7 +156,8 @@ class Encoder {
         const LatticeBox box = tree_.box(k, number);
         const std::int64_t stride = std::int64_t{1} << (TileTree::kTierLevels * (k - 1));
         const TileSamples samples = cut(coding, survey_.coarse, box, stride);
-        RELIEF_TRY(EncodedTile tile, encode(coding, coarse, k, number, samples));
+        RELIEF_TRY(EncodedTile tile,
+                   encode(coding, coarse, k, number, samples, TileCare::Verified));
         CoarseTiers::Tier& tier = coarse.tiers[static_cast<std::size_t>(k - 1)];
         for (std::size_t c = 0; c < tier.values.size(); ++c)
             for (std::int64_t r = 0; r < box.rows; ++r)
@@ -219,7 +226,8 @@ class Encoder {
         std::vector<std::uint64_t> sizes(samples.size());
         parallel_for(0, trials, 1, [&](std::int64_t k, std::int64_t) {
             const auto at = static_cast<std::size_t>(k);
-            auto tile = encode(coding, coarse, 0, trial_tile(k, trials, tiles), samples[at]);
+            auto tile = encode(coding, coarse, 0, trial_tile(k, trials, tiles), samples[at],
+                               TileCare::Trial);
             if (tile.ok())
                 sizes[at] = size_of(*tile);
             else
@@ -263,7 +271,8 @@ class Encoder {
             LatticeBox box = tree_.box(0, first + k);
             box.row0 -= strip_box.row0;
             auto tile =
-                encode(result_.coding, coarse_, 0, first + k, cut(result_.coding, strip, box, 1));
+                encode(result_.coding, coarse_, 0, first + k, cut(result_.coding, strip, box, 1),
+                       options_.measure_coarse ? TileCare::Measured : TileCare::Verified);
             if (tile.ok())
                 tiles[static_cast<std::size_t>(k)] = *std::move(tile);
             else
