@@ -1,7 +1,9 @@
 #include "codec/lattice_encode.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <string>
 
@@ -200,12 +202,14 @@ class Encoder {
             }
             count += valid * static_cast<std::int64_t>(coding.domains.size());
         }
-        RELIEF_TRY(const double plain, trial_size(coding, coarse_, samples, trials, tiles));
-        if (count == 0 || plain * 8 >= kLooseBits * static_cast<double>(count)) return {};
+        const double tight = kLooseBits / 8 * static_cast<double>(count);
+        RELIEF_TRY(const double plain, trial_size(coding, coarse_, samples, tiles, tight));
+        if (plain >= tight) return {};
         LatticeCoding tightened = coding;
         tightened.tightening = kTightening;
         RELIEF_TRY(CoarseTiers finer, encode_coarse(tightened));
-        RELIEF_TRY(double size, trial_size(tightened, finer, samples, trials, tiles));
+        RELIEF_TRY(double size, trial_size(tightened, finer, samples, tiles,
+                                           std::numeric_limits<double>::infinity()));
         // Coarse tiers weigh as much as they do in the whole file.
         const double share = static_cast<double>(trials) / static_cast<double>(tiles);
         size += share * static_cast<double>(finer.size);
@@ -219,26 +223,25 @@ class Encoder {
         return (2 * k + 1) * tiles / (2 * trials);
     }
 
+    /// The size of the trial tiles; where it reaches `enough`, perhaps of some of them only.
     Result<double> trial_size(const LatticeCoding& coding, const CoarseTiers& coarse,
-                              const std::vector<TileSamples>& samples, std::int64_t trials,
-                              std::int64_t tiles) const {
+                              const std::vector<TileSamples>& samples, std::int64_t tiles,
+                              double enough) const {
+        const auto trials = static_cast<std::int64_t>(samples.size());
         std::vector<Status> failed(samples.size());
-        std::vector<std::uint64_t> sizes(samples.size());
+        std::atomic<std::uint64_t> size = 0;
         parallel_for(0, trials, 1, [&](std::int64_t k, std::int64_t) {
+            if (static_cast<double>(size) >= enough) return;
             const auto at = static_cast<std::size_t>(k);
             auto tile = encode(coding, coarse, 0, trial_tile(k, trials, tiles), samples[at],
                                TileCare::Trial);
             if (tile.ok())
-                sizes[at] = size_of(*tile);
+                size += size_of(*tile);
             else
                 failed[at] = tile.error();
         });
-        double size = 0;
-        for (std::size_t k = 0; k < samples.size(); ++k) {
-            RELIEF_CHECK(failed[k]);
-            size += static_cast<double>(sizes[k]);
-        }
-        return size;
+        for (const Status& status : failed) RELIEF_CHECK(status);
+        return static_cast<double>(size);
     }
 
     /// Rows of tiles, as many at a time as give every thread work.
