@@ -142,6 +142,7 @@ class PyramidBody final : public RasterBody {
             return header_.goal.kind == Goal::Kind::MaxError ? header_.goal.value
                                                              : header_.max_error;
         const int used = std::min(layout_.levels() - level, complete_levels_ - 1);
+        if (used == layout_.levels()) return header_.max_error;
         return container_.chunks()[level_chunk(used)].bound;
     }
 
