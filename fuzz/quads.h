@@ -63,7 +63,7 @@ inline const std::vector<Bytes>& valid_quad_files() {
         add(quad_grid(3, 3, 0, false), {Kind::Lossless, 0});
         add(quad_grid(2, 1, 2, false), {Kind::RmsError, 0.01});
         add(quad_grid(2, 2, 2, false), {Kind::Keep, 80});
-        coded.push_back(*add_moves(coded[0], {{0, 3, 0.5}, {1, 2, -1}}));
+        coded.push_back(*add_quad_moves(coded[0], {{0, 3, 0.5}, {1, 2, -1}}));
         return coded;
     }();
     return files;
@@ -103,7 +103,7 @@ inline void quads(std::span<const std::uint8_t> bytes) {
     if (container.ok() && !is_small_quad_file(*container)) return;
     if (const auto file = QuadFile::open(source); file.ok()) {
         explore(*file);
-        const auto moved = add_moves(Bytes(bytes.begin(), bytes.end()), {{0, 0, 1}});
+        const auto moved = add_quad_moves(Bytes(bytes.begin(), bytes.end()), {{0, 0, 1}});
         if (moved.ok()) {
             const auto again = QuadFile::open(*moved);
             require_quads(again.ok() && again->moves().size() == file->moves().size() + 1);

@@ -310,7 +310,7 @@ Result<QuadMesh> QuadFile::decode(int level) const {
     return out;
 }
 
-Result<Bytes> add_moves(Bytes file, const std::vector<QuadMove>& moves) {
+Result<Bytes> add_quad_moves(Bytes file, const std::vector<QuadMove>& moves) {
     const auto source = std::make_shared<MemorySource>(std::move(file));
     RELIEF_TRY(const QuadFile opened, QuadFile::open(source));
     RELIEF_TRY(const ContainerReader container, ContainerReader::open(source));

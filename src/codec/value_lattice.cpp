@@ -15,11 +15,12 @@ constexpr std::array<double, kMostDigits10 + 1> kPowers = {
 /// Decimals whose integers are larger are coded as doubles: rounding of their products would show.
 constexpr double kLargestDecimal = 0x1p50;
 constexpr double kLargestInteger = 0x1p62;
+constexpr double kLargestFloat = 0x1.fffffep127;
 
 constexpr std::int64_t kSign64 = INT64_MIN;
 constexpr std::int32_t kSign32 = INT32_MIN;
 
-std::int32_t ordinal_of(float value) {
+std::int32_t float_ordinal_of(float value) {
     const auto bits = std::bit_cast<std::int32_t>(value);
     return bits < 0 ? ~(bits ^ kSign32) : bits;
 }
@@ -41,7 +42,7 @@ bool is_decimal(double value, double power) {
 }
 
 bool is_float(double value) {
-    return std::abs(value) <= 3.4028234663852886e38 &&
+    return std::abs(value) <= kLargestFloat &&
            ordinal_of(static_cast<double>(static_cast<float>(value))) == ordinal_of(value);
 }
 
@@ -110,7 +111,8 @@ std::int64_t ValueLattice::nearest(double value) const {
         case Kind::Step:
             return rounded(value / step);
         case Kind::Float32:
-            return ordinal_of(static_cast<float>(std::clamp(value, -0x1p127, 0x1p127)));
+            return float_ordinal_of(
+                static_cast<float>(std::clamp(value, -kLargestFloat, kLargestFloat)));
         default:
             return ordinal_of(value);
     }
