@@ -287,6 +287,12 @@ Result<QuadSurface> QuadFile::surface(int level) const {
 }
 
 Result<QuadMesh> QuadFile::decode(int level) const {
+    RELIEF_CHECK(state_->check_level(level));
+    if (level < finest_level())
+        return bad_file("level " + std::to_string(level) + " needs the first " +
+                            std::to_string(bytes_for(level)) +
+                            " bytes of the file; read more, or a coarser level",
+                        "byte " + std::to_string(state_->container.visible_size()));
     RELIEF_TRY(const QuadSurface surface, this->surface(level));
     const mesh::Quadrangulation& mesh = surface.hierarchy.mesh(surface.level());
     Numbering numbering;

@@ -134,8 +134,9 @@ Result<QuadHeader> read_quad_header(const std::string& text) {
     RELIEF_TRY(header.y_digits, read_digits(json, "y_digits"));
     if (json.contains("values")) {
         ValueLattice lattice;
-        RELIEF_CHECK(read_lattice(reader.object("values"), lattice));
+        const Json& values = reader.object("values");
         RELIEF_CHECK(reader.status());
+        RELIEF_CHECK(read_lattice(values, lattice));
         header.lattice = lattice;
     }
     return header;
