@@ -9,6 +9,7 @@
 #include "codec/corrections.h"
 #include "codec/pyramid_code.h"
 #include "codec/pyramid_encode.h"
+#include "codec/quantised_refit.h"
 #include "codec/raster_header.h"
 #include "relief/codec/container.h"
 #include "relief/codec/fill.h"
@@ -102,7 +103,7 @@ double mean_of(const Grid<double>& plane) {
 /// Not below x >= 0.
 double rounded_up(double x, int digits) {
     const double nearest = rounded(x, digits);
-    return nearest >= x ? nearest : rounded(x * (1 + 2 * std::pow(10.0, -digits)), digits);
+    return nearest >= x ? nearest : rounded(x * (1 + 0.5 * std::pow(10.0, 1 - digits)), digits);
 }
 
 /// One way to code the raster: quantised coefficients, the surface they give, how far it is off,
@@ -244,6 +245,7 @@ class Encoder {
             apply(selection, chosen);
             refit(chosen, selection, target_, 8);
         }
+        refit_quantised(chosen, {.step = step, .means = means_}, target_);
         return chosen;
     }
 
