@@ -200,8 +200,6 @@ class Encoder {
         return search_bounded(0);
     }
 
-    // --- candidates
-    // -----------------------------------------------------------------------------------------------
 
     Planes<double> surface_of(const Candidate& candidate, int plane = 0, int finest_level = 0) {
         reconstruct(candidate.quantised, candidate.coding, plane, finest_level, scratch_);
@@ -272,8 +270,6 @@ class Encoder {
         return file.ok() ? file->size() : std::numeric_limits<std::uint64_t>::max();
     }
 
-    // --- goals
-    // ----------------------------------------------------------------------------------------------------
 
     Result<Candidate> keep() {
         const double share = options_.goal.value / 100;
@@ -401,32 +397,38 @@ class Encoder {
         return std::move(best.candidate);
     }
 
-    /// The unit whose file with corrections is smallest, by a golden-section-like walk over factors
-    /// of the bound.
+    /// The file with the step, in units of the bound, that makes it smallest with corrections:
+    /// found without least squares, by a walk with falling ratios.
     Result<Corrected> search_corrected(double bound) {
         const bool exact = bound == 0;
         const double quantum = smallest_step();
         const double scale = std::max(exact ? quantum : bound, quantum);
         Corrected best;
         double factor = exact ? 2.0 : 2.35;
-        const auto attempt = [&](double f) -> Result<bool> {
-            RELIEF_TRY(Candidate candidate, at_step(f * scale));
+        // Returns whether it is the smallest so far.
+        const auto attempt = [&](const Pyramid<double>& pyramid, double f) -> Result<bool> {
+            Candidate candidate = quantised(pyramid, f * scale);
+            RELIEF_CHECK(code(candidate));
             candidate.corrections = make_corrections(raster_, candidate.surface, bound);
             const std::uint64_t size = size_of(candidate);
             if (size >= best.size) return false;
             best = {std::move(candidate), size};
             return true;
         };
-        RELIEF_TRY([[maybe_unused]] const bool first, attempt(factor));
+        RELIEF_TRY([[maybe_unused]] const bool first, attempt(pyramid_, factor));
         for (double ratio = 2; ratio > 1.1; ratio = std::sqrt(ratio)) {
             if (cancelled(0.3)) return cancelled_error();
-            RELIEF_TRY(const bool coarser, attempt(factor * ratio));
+            RELIEF_TRY(const bool coarser, attempt(pyramid_, factor * ratio));
             if (coarser) {
                 factor *= ratio;
                 continue;
             }
-            RELIEF_TRY(const bool finer, attempt(factor / ratio));
+            RELIEF_TRY(const bool finer, attempt(pyramid_, factor / ratio));
             if (finer) factor /= ratio;
+        }
+        if (options_.effort != Effort::Select) {
+            RELIEF_TRY([[maybe_unused]] const bool refitted,
+                       attempt(improved(factor * scale), factor));
         }
         return best;
     }
@@ -443,8 +445,6 @@ class Encoder {
         return std::max(largest * epsilon, 1e-290);
     }
 
-    // --- file
-    // -----------------------------------------------------------------------------------------------------
 
     /// The file of a candidate whose chunks are coded.
     /// layer_errors: largest ones, one for each layer; none if they are not known yet.

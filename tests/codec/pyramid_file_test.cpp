@@ -24,7 +24,7 @@ Raster landscape(std::int64_t rows, std::int64_t cols, int components = 1) {
         for (int k = 0; k < 8; ++k) {
             const auto nodes =
                 test::noise_grid<double>((rows >> k) + 2, (cols >> k) + 2, 9 * k + p);
-            const double height = 0.5 * std::pow(1.9, k);
+            const double height = 3 * std::pow(1.7, k);
             for (std::int64_t r = 0; r < rows; ++r)
                 for (std::int64_t c = 0; c < cols; ++c) {
                     const double y = std::ldexp(double(r), -k) - double(r >> k);
@@ -50,7 +50,7 @@ const Raster& large() {
 
 const Bytes& large_file() {
     static const Bytes file = encode_raster(large(), {.spec = {{.id = SchemeId::Cubic}},
-                                                      .goal = {Kind::RmsError, 0.5},
+                                                      .goal = {Kind::RmsError, 0.7},
                                                       .effort = Effort::Select})
                                   ->bytes;
     return file;
@@ -66,7 +66,7 @@ TEST(PyramidFile, EndsOfLayersHaveTheirBoundAndErrorsFall) {
     for (const ChunkInfo& chunk : container.chunks())
         if (std::isfinite(chunk.bound) && (ends.empty() || chunk.length > 0))
             ends.push_back(chunk.offset + chunk.length);
-    ASSERT_GE(ends.size(), 4U);
+    ASSERT_GE(ends.size(), 3U);
     EXPECT_EQ(ends.back(), large_file().size());
     double last = 1e9;
     double last_bound = 1e9;
@@ -83,7 +83,7 @@ TEST(PyramidFile, EndsOfLayersHaveTheirBoundAndErrorsFall) {
         last = found.rms_error;
         last_bound = *file->bound(0);
     }
-    EXPECT_LE(last, 0.5);
+    EXPECT_LE(last, 0.7);
 }
 
 TEST(PyramidFile, EveryPrefixDecodesAndMoreBytesTellMore) {
@@ -111,7 +111,7 @@ TEST(PyramidFile, WindowsAreCropsToTheBit) {
     for (const bool exact : {false, true}) {
         const Bytes bytes = exact ? encode_raster(landscape(120, 140, 2),
                                                   {.spec = {{.id = SchemeId::Cubic, .exact = true}},
-                                                   .goal = {Kind::RmsError, 0.5}})
+                                                   .goal = {Kind::RmsError, 0.7}})
                                         ->bytes
                                   : large_file();
         const auto file = *RasterFile::open(bytes);
