@@ -26,6 +26,8 @@ using multires::Planes;
 constexpr double kRefitThreshold = 0.55;
 /// Samples up to here leave room for what filters add.
 constexpr double kLargestSample = 1e45;
+/// Beyond it all values are 0.
+constexpr double kLargestStep = 1e99;
 /// Bounds below so many of a float type's steps may cost more than exactness.
 constexpr double kNearlyExact = 64;
 
@@ -214,7 +216,8 @@ class Encoder {
     Candidate quantised(const Pyramid<double>& pyramid, double step) const {
         Candidate candidate;
         candidate.coding.means = means_;
-        candidate.coding.step = rounded_up(std::max(step, least_step(pyramid, means_)), 6);
+        const double least = least_step(pyramid, means_);
+        candidate.coding.step = rounded_up(std::clamp(step, least, kLargestStep), 6);
         candidate.quantised = quantise(pyramid, candidate.coding);
         return candidate;
     }
