@@ -4,7 +4,11 @@
 #include <vector>
 
 #include "relief/core/parallel.h"
+#include "relief/multires/fvs.h"
+#include "relief/multires/fvs_certificate.h"
+#include "relief/multires/fvs_grid_transform.h"
 #include "relief/spline/fvs_surface.h"
+#include "transform_bench.h"
 
 // All on one thread: rates are per thread.
 namespace relief::spline {
@@ -87,3 +91,57 @@ BENCHMARK_TEMPLATE(fvs_resample, double)->ArgName("step")->Arg(37)->Arg(50);
 
 }  // namespace
 }  // namespace relief::spline
+
+/// Scheme `fvs` and the values-only tools. Arguments: side, threads.
+namespace relief::multires::fvs {
+namespace {
+
+template <class T>
+Pyramid<T> pyramid_of(const Grid<T>& samples) {
+    SchemeSpec spec;
+    spec.id = SchemeId::Fvs;
+    auto pyramid = Pyramid<T>::allocate(*layout(spec, samples.rows(), samples.cols(), 1));
+    analyse<T>(samples.view(), 0, pyramid);
+    return pyramid;
+}
+
+template <class T>
+void analysis(benchmark::State& state) {
+    const auto samples = bench::terrain<T>(state.range(0));
+    auto pyramid = pyramid_of(samples);
+    bench::measure(state, samples, state.range(1), [&] { analyse<T>(samples.view(), 0, pyramid); });
+}
+
+template <class T>
+void synthesis(benchmark::State& state) {
+    const auto samples = bench::terrain<T>(state.range(0));
+    const auto pyramid = pyramid_of(samples);
+    bench::measure(state, samples, state.range(1), [&] { (void)coefficients(pyramid, 0, 0); });
+}
+
+/// Values of the next finer lattice, in nanoseconds a fine sample.
+template <class T>
+void value_prediction(benchmark::State& state) {
+    auto fine = bench::terrain<T>(state.range(0));
+    const std::int64_t n = coarser(fine.rows() - 1) + 1;
+    const auto coarse = bench::terrain<T>(n);
+    bench::measure(state, fine.clone(), state.range(1),
+                   [&] { predict_values<T>(coarse.view(), fine.view()); });
+}
+
+/// Arguments: side, refinements.
+void certificate(benchmark::State& state) {
+    const auto original = bench::terrain<float>(state.range(0));
+    const Grid<float> decoded(original.rows(), original.cols(), 0.0F);
+    bench::measure(state, original, 1, [&] {
+        (void)certify<float>(original.view(), decoded.view(), static_cast<int>(state.range(1)));
+    });
+}
+
+BENCHMARK(analysis<float>)->Name("fvs/analysis/float")->Args({2048, 1})->Args({2048, 2});
+BENCHMARK(synthesis<float>)->Name("fvs/synthesis/float")->Args({2048, 1})->Args({2048, 2});
+BENCHMARK(value_prediction<float>)->Name("fvs/value_prediction/float")->Args({2048, 1});
+BENCHMARK(certificate)->Name("fvs/certificate/float")->ArgsProduct({{1024}, {0, 1, 2}});
+
+}  // namespace
+}  // namespace relief::multires::fvs

@@ -15,6 +15,7 @@
 #include "relief/codec/container.h"
 #include "relief/codec/mask_coder.h"
 #include "relief/codec/raster_codec.h"
+#include "relief/codec/raster_surface.h"
 
 /// What the fuzzers run, and the tests on a small corpus. Each takes any bytes and must return;
 /// what decodes must encode to something that decodes to the same.
@@ -104,6 +105,33 @@ inline bool is_small(const ContainerReader& container) {
     return !header.ok() || header->description.rows <= (1 << 20) / header->description.cols;
 }
 
+/// A window of a level is a part of the whole, unless the whole is damaged, and has a surface.
+inline void explore_window(const RasterFile& file, int level, const Result<Raster>& whole) {
+    const LatticeBox all = file.box(level);
+    const LatticeBox part{all.rows / 3, all.cols / 4, all.rows / 2 + all.rows % 2,
+                          all.cols / 2 + all.cols % 2};
+    const auto window = file.decode_window(level, part);
+    require(window.ok() || !whole.ok());
+    if (!window.ok()) return;
+    for (std::size_t p = 0; p < window->raster.planes.size(); ++p)
+        for (std::int64_t r = 0; r < part.rows; ++r)
+            for (std::int64_t c = 0; c < part.cols; ++c) {
+                const double value = window->raster.planes[p](r, c);
+                require(std::isfinite(value) == window->raster.valid(r, c));
+                if (!whole.ok()) continue;
+                require(window->raster.valid(r, c) == whole->valid(part.row0 + r, part.col0 + c));
+                require(!window->raster.valid(r, c) ||
+                        value == whole->planes[p](part.row0 + r, part.col0 + c));
+            }
+    const auto surface = RasterSurface::create(file, level, part);
+    require(surface.ok() == window->damaged.empty());
+    if (!surface.ok()) return;
+    Grid<double> grid(3, 4);
+    for (int p = 0; p < surface->components(); ++p)
+        surface->evaluate_grid(p, static_cast<double>(part.row0), 0.3,
+                               static_cast<double>(part.col0), 0.4, grid.view());
+}
+
 /// All that can be asked of an opened file; what decodes is whole and finite.
 inline void explore(const RasterFile& file) {
     (void)file.bands();
@@ -115,6 +143,7 @@ inline void explore(const RasterFile& file) {
         (void)file.surface_bound(level);
         require(file.bytes_for(level) <= file.size());
         const auto raster = file.decode(level);
+        explore_window(file, level, raster);
         if (!raster.ok()) continue;
         require(raster->rows == (file.layout().rows + (std::int64_t{1} << level) - 1) >> level);
         for (const Grid<double>& plane : raster->planes)
@@ -172,10 +201,12 @@ inline const std::vector<Bytes>& valid_rasters() {
         add(surface(SampleType::Float32, false), multires::SchemeId::Box, {Kind::Lossless, 0});
         add(surface(SampleType::Float64, true), multires::SchemeId::Barycentric, {Kind::Keep, 40});
         add(surface(SampleType::Int16, false), multires::SchemeId::Cubic, {Kind::RmsError, 1});
-        for (const Profile profile : {Profile::Fast, Profile::Dense})
-            coded.push_back(encode_raster(surface(SampleType::Float32, profile == Profile::Dense),
-                                          {.goal = {Kind::MaxError, 0.3}, .profile = profile})
-                                ->bytes);
+        for (const Profile profile : {Profile::Fast, Profile::Dense}) {
+            Raster raster = surface(SampleType::Float32, profile == Profile::Dense);
+            raster.planes[0](6, 9) = 7.25;  // repaired, as the others are whole
+            for (const Goal goal : {Goal{Kind::MaxError, 0.2}, Goal{Kind::MaxError, 3}})
+                coded.push_back(encode_raster(raster, {.goal = goal, .profile = profile})->bytes);
+        }
         coded.push_back(*add_moves(coded[0], {{.level = 1, .row = 2, .col = 3, .delta = {5}}}));
         return coded;
     }();

@@ -127,9 +127,8 @@ Error located(Error error, const std::string& path) {
 
 Result<codec::RasterFile> open_relief(const std::string& path,
                                       std::optional<std::uint64_t> max_bytes) {
-    RELIEF_TRY(Bytes bytes, io::read_file(path));
-    auto file = codec::RasterFile::open(std::make_shared<MemorySource>(std::move(bytes)),
-                                        max_bytes.value_or(UINT64_MAX));
+    RELIEF_TRY(auto source, io::open_source(path));
+    auto file = codec::RasterFile::open(std::move(source), max_bytes.value_or(UINT64_MAX));
     if (!file.ok()) return located(file.error(), path);
     return file;
 }
@@ -154,6 +153,10 @@ class OwnedRaster final : public RasterSource {
 }  // namespace
 
 Result<std::unique_ptr<RasterSource>> open_raster(const std::string& path, const Globals& globals) {
+    if (io::recognise(path) == io::FileKind::Raster) {
+        RELIEF_TRY(io::RasterReader reader, io::RasterReader::open(path));
+        return std::unique_ptr<RasterSource>(std::make_unique<io::RasterReader>(std::move(reader)));
+    }
     RELIEF_TRY(Raster raster, read_any_raster(path, globals));
     return std::unique_ptr<RasterSource>(std::make_unique<OwnedRaster>(std::move(raster)));
 }

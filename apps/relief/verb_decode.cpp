@@ -195,6 +195,42 @@ class Source {
     std::vector<LatticeBox> damaged_;
 };
 
+Status write_whole(Source& source, const LatticeBox& window, const codec::RasterFile& file,
+                   const Decode& options, const Globals& globals) {
+    auto decoded = source.window(window);
+    if (!decoded.ok()) return located(decoded.error(), options.in);
+    describe(file, source.bound(), *decoded);
+    return io::write_raster(options.out, *decoded, {.progress = progress_bar(globals, "writing")});
+}
+
+/// Rows of tiles after another, so that memory does not grow with their number.
+Status write_strips(Source& source, const LatticeBox& window, const codec::RasterFile& file,
+                    const Decode& options, const Globals& globals) {
+    const Progress progress = progress_bar(globals, "decoding");
+    std::optional<io::RasterWriter> writer;
+    for (std::int64_t row = 0; row < window.rows;) {
+        // Strips end where tiles do.
+        const std::int64_t top = window.row0 + row;
+        const std::int64_t rows = std::min(kStrip - top % kStrip, window.rows - row);
+        auto strip = source.window({top, window.col0, rows, window.cols});
+        if (!strip.ok()) return located(strip.error(), options.in);
+        if (!writer) {
+            Raster about = description_of(*strip);
+            about.rows = window.rows;
+            describe(file, options.allow_damage ? std::nullopt : file.bound(options.level), about);
+            RELIEF_TRY(auto made, io::RasterWriter::create(
+                                      options.out, about, static_cast<int>(strip->planes.size()),
+                                      file.has_holes() ? io::Holes::Possible : io::Holes::None));
+            writer.emplace(std::move(made));
+        }
+        RELIEF_CHECK(writer->write(row, *strip));
+        row += rows;
+        if (progress && !progress(static_cast<double>(row) / static_cast<double>(window.rows)))
+            return Error{ErrorCode::Cancelled, "decoding was cancelled", options.out};
+    }
+    return writer->commit();
+}
+
 Json damage_json(const std::vector<LatticeBox>& damaged) {
     Json list = Json::array();
     for (const LatticeBox& box : damaged)
@@ -216,15 +252,14 @@ Result<Outcome> run(const Decode& options, const Globals& globals) {
     if (!source.ok()) return located(source.error(), options.in);
     const auto window = window_of(options, source->box());
     if (!window.ok()) return located(window.error(), options.in);
-    auto decoded = source->window(*window);
-    if (!decoded.ok()) return located(decoded.error(), options.in);
+    const bool in_strips = file.closed_loop() && window->count() > kLarge;
+    const Status written = in_strips ? write_strips(*source, *window, file, options, globals)
+                                     : write_whole(*source, *window, file, options, globals);
+    if (!written.ok()) return written.error();
     const std::optional<double> bound = source->bound();
-    describe(file, bound, *decoded);
-    RELIEF_CHECK(
-        io::write_raster(options.out, *decoded, {.progress = progress_bar(globals, "writing")}));
     Outcome outcome;
     outcome.json = Json{{"samples", window->rows * window->cols},
-                        {"bytes_read", file.bytes_for(options.level)},
+                        {"bytes_read", file.bytes_read()},
                         {"level", options.level},
                         {"bound", bound ? json_number(*bound) : Json(nullptr)},
                         {"rows", window->rows},
@@ -234,7 +269,7 @@ Result<Outcome> run(const Decode& options, const Globals& globals) {
                         {"seconds", watch.seconds()}};
     outcome.text = fmt::format("{}: {} x {} samples of level {}, {} bytes read\n", options.out,
                                window->cols, window->rows, options.level,
-                               grouped(static_cast<std::int64_t>(file.bytes_for(options.level))));
+                               grouped(static_cast<std::int64_t>(file.bytes_read())));
     if (bound) outcome.text += fmt::format("within {} of the original\n", shown(*bound));
     if (!source->damaged().empty())
         outcome.text += fmt::format("{} damaged tiles were filled in from coarser levels\n",

@@ -136,19 +136,33 @@ Result<std::vector<multires::Move>> moves_of(const Edit& options,
     return moves;
 }
 
+/// Counts what passes.
+class CountingSink final : public ByteSink {
+  public:
+    explicit CountingSink(ByteSink& to) : to_(to) {}
+    Status write(std::span<const std::uint8_t> bytes) override {
+        bytes_ += bytes.size();
+        return to_.write(bytes);
+    }
+    [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
+
+  private:
+    ByteSink& to_;
+    std::uint64_t bytes_ = 0;
+};
+
 Result<Outcome> run(const Edit& options) {
-    RELIEF_TRY(Bytes bytes, io::read_file(options.in));
-    const auto source = std::make_shared<MemorySource>(std::move(bytes));
+    RELIEF_TRY(const auto source, io::open_source(options.in));
     const auto opened = codec::RasterFile::open(source);
     if (!opened.ok()) return located(opened.error(), options.in);
     const codec::RasterFile& file = *opened;
     const auto& layout = file.layout();
     RELIEF_TRY(const auto moves, moves_of(options, layout));
-    MemorySink edited;
+    RELIEF_TRY(io::OutputFile out, io::OutputFile::create(options.out));
+    CountingSink edited(out);
     if (const Status status = codec::add_moves(source, moves, edited); !status.ok())
         return located(status.error(), options.in);
-    const Bytes out = edited.take();
-    RELIEF_CHECK(io::write_file_atomically(options.out, out));
+    RELIEF_CHECK(out.commit());
 
     const auto field =
         multires::samples_of(layout, multires::displacement<double>(layout, moves, 0), 0);
@@ -165,7 +179,7 @@ Result<Outcome> run(const Edit& options) {
         {"bounds",
          Json{{"col", box.col0}, {"row", box.row0}, {"width", box.cols}, {"height", box.rows}}},
         {"edits", file.moves().size() + moves.size()},
-        {"bytes", out.size()}};
+        {"bytes", edited.bytes()}};
     outcome.text = fmt::format(
         "{}: {} control coefficients moved, {} samples touched in columns {} to {}, rows {} to "
         "{}\n",

@@ -81,11 +81,11 @@ Result<Outcome> run(const Encode& options, const Globals& globals) {
     encode.progress = progress_bar(globals, "encoding");
     encode.profile = options.profile == "fast" ? codec::Profile::Fast : codec::Profile::Dense;
     RELIEF_TRY(const auto source, open_raster(options.in, globals));
-    MemorySink sink;
-    MemorySpool spool;
+    RELIEF_TRY(io::OutputFile sink, io::OutputFile::create(options.out));
+    io::FileSpool spool(options.out);
     const auto report = codec::encode_raster(*source, encode, sink, spool);
     if (!report.ok()) return located(report.error(), options.in);
-    RELIEF_CHECK(io::write_file_atomically(options.out, sink.take()));
+    RELIEF_CHECK(sink.commit());
     Outcome outcome;
     outcome.json = json_of(*report, options.profile, watch.seconds());
     outcome.text = text_of(options, *report, source->description());

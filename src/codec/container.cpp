@@ -225,6 +225,7 @@ Result<ContainerReader> ContainerReader::open(std::shared_ptr<const ByteSource> 
         reader.directory_,
         read_directory(all.subspan(preamble.header_end(), preamble.directory_bytes), preamble));
     reader.source_ = std::move(source);
+    *reader.read_ = reader.head_size_;
     const std::uint64_t end = reader.complete_size();
     if (reader.source_->size() > end)
         return bad_file("there are bytes behind the last chunk; the file is damaged", end);
@@ -254,6 +255,7 @@ Result<Bytes> ContainerReader::chunk(std::size_t k) const {
                         visible_);
     Bytes bytes(static_cast<std::size_t>(info.length));
     RELIEF_CHECK(source_->read(info.offset, bytes));
+    *read_ += info.length;
     if (info.length > 0 && chunk_checksum(bytes) != info.checksum)
         return bad_file("chunk " + std::to_string(k) + " is damaged: its checksum differs",
                         info.offset);

@@ -3,12 +3,14 @@
 #include <cmath>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "codec/dense_forecast.h"
 #include "codec/dense_least_squares.h"
 #include "codec/dense_model.h"
+#include "codec/dense_rules.h"
 #include "codec/lattice_level.h"
 #include "codec/range_coder.h"
 
@@ -40,7 +42,7 @@ class Bias {
     std::uint32_t visits_ = 0;
 };
 
-/// All that a tile learns from its samples. About 280 KB.
+/// All that a tile learns from its samples: cheap to copy against coding it.
 struct DenseState {
     DenseModel model;
     std::array<RidgeRegression, kKinds> regressions = {RidgeRegression(kStencils[0].weights),
@@ -49,6 +51,7 @@ struct DenseState {
     /// [kind][which nearest samples are higher][scale][signs]
     std::array<std::array<std::array<std::array<Bias, kSignPairs>, kCoarseScales>, 16>, kKinds>
         biases;
+    std::array<InterpolationRules::Scores, kKinds> rule_scores = {};
     std::uint32_t candidates = 0;  ///< samples that might teach the regressions, in all
 
     void begin_level() {
@@ -56,6 +59,8 @@ struct DenseState {
         model.contexts.trust_at_most(kInheritedVisits);
     }
 };
+
+static_assert(sizeof(DenseState) < 300 * 1024);
 
 /// floor(x + 0.5) for |x| < 2^30.
 std::int32_t nearest_integer(double x) {
@@ -79,7 +84,11 @@ class LevelPass {
           level_(level),
           source_(source),
           half_(level.step / 2),
-          per_step_(1.0 / level.step) {}
+          per_step_(1.0 / level.step) {
+        if (level.step > 1) return;
+        for (InterpolationRules::Scores& scores : state.rule_scores)
+            rules_.emplace_back((level.cols() + 1) / 2, scores);
+    }
 
     void run() {
         state_.begin_level();
@@ -102,6 +111,7 @@ class LevelPass {
         std::int16_t* quotients;
         std::array<const std::int32_t*, 4> nearest;
         std::array<const std::int16_t*, 2> signs;
+        InterpolationRules* rules;  ///< null where they do not apply
 
         [[nodiscard]] std::size_t number() const { return static_cast<std::size_t>(kind); }
     };
@@ -120,7 +130,8 @@ class LevelPass {
                 .values = level_.values.row(r),
                 .quotients = level_.quotients.row(r),
                 .nearest = {},
-                .signs = {}};
+                .signs = {},
+                .rules = rules_.empty() || kind == Kind::Diagonal ? nullptr : &rules_[number]};
         for (std::size_t n = 0; n < 4; ++n) {
             const Offset offset = row.stencil.nearest[n];
             row.nearest[n] = level_.values.row(r + offset.row) + offset.col;
@@ -138,15 +149,18 @@ class LevelPass {
         const Row row = row_of(kind, r);
         forecast_.make(level_, kind, r, state_.regressions[row.number()].weights());
         lessons_.clear();
+        if (row.rules) row.rules->begin_row();
         const std::uint8_t* valid = level_.valid.row(r);
         for (std::int64_t k = 0; k < forecast_.count; ++k) {
             const std::int64_t c = forecast_.first + 2 * k;
-            const double p =
+            const double learnt =
                 forecast_.line[static_cast<std::size_t>(k)] + row.west_weight * row.values[c - 2];
-            if (valid[c])
-                code_sample(row, k, p);
-            else
-                row.values[c] = nearest_integer(in_range(p));
+            if (valid[c]) {
+                code_sample(row, k, learnt);
+            } else {
+                row.values[c] = nearest_integer(in_range(learnt));
+                if (row.rules) row.rules->skip(k);
+            }
         }
         learn(row);
     }
@@ -155,42 +169,32 @@ class LevelPass {
         return std::clamp<double>(p, level_.lowest, level_.highest);
     }
 
-    void code_sample(const Row& row, std::int64_t k, double p) {
+    void code_sample(const Row& row, std::int64_t k, double learnt) {
         const std::int64_t c = forecast_.first + 2 * k;
-        const auto i = static_cast<std::size_t>(k);
-        const auto per_step = static_cast<float>(per_step_);
-        const std::int32_t around =
-            forecast_.around[i] + row.stencil.west_share * std::abs(row.quotients[c - 2]);
-        const double gap = forecast_.second[i] - p;
-        const float scale = forecast_.calm[i] + kScale.around * static_cast<float>(around) +
-                            kScale.gap * std::abs(static_cast<float>(gap) * per_step);
         Situation s;
-        s.kind = row.number();
-        s.scale = octave_class(scale);
-        s.texture = forecast_.texture[i];
-        s.sums = sum_class(around >> 1) * kSums + forecast_.inherited[i];
-        s.signs = sign_class(row.signs[0][c]) + 3 * sign_class(row.signs[1][c]);
-        s.exact = level_.step == 1;
-
-        std::size_t higher = 0;
-        for (const std::int32_t* nearest : row.nearest) higher = 2 * higher + (nearest[c] > p);
-        Bias& bias = state_.biases[s.kind][higher][coarse_scale(s.scale)][s.signs];
-        p += kBias.share * bias.mean() * level_.step;
-        const double bounded = in_range(p);
-        const std::int32_t predicted = nearest_integer(bounded);
-        s.lost = static_cast<float>(bounded - predicted) * per_step;
-        s.dispute = static_cast<float>(forecast_.second[i] - p) * per_step;
-
-        std::int32_t q = 0;
-        if constexpr (!Coder::kDecodes) q = quotient(source_(row.index, c) - predicted);
-        q = quotients_.code(q, s);
-        row.values[c] = value(predicted, q);
-        row.quotients[c] = static_cast<std::int16_t>(std::clamp(q, -kMostStored, kMostStored));
+        const float scale = describe(row, k, learnt, s);
+        InterpolationRules::Predictions interpolated{};
+        std::optional<std::size_t> rule;
+        if (row.rules) {
+            interpolated = interpolate(row, c);
+            rule = row.rules->find(k);
+        }
+        Bias* bias = nullptr;
+        double p = learnt;
+        if (rule) {
+            p = interpolated[*rule];
+            s.scale = *rule;  // a class below that of kScale.least
+        } else {
+            bias = &bias_of(row, c, learnt, s);
+            p += kBias.share * bias->mean() * level_.step;
+        }
+        const std::int32_t q = code_quotient(row, k, p, s);
 
         // A sample that repeats its prediction says nothing new, unless it is exact.
         const bool echo = q == 0 && !s.exact;
         const auto error = static_cast<float>((row.values[c] - p) * per_step_);
-        bias.update(echo ? 0 : std::clamp(error, -kBias.error_limit, kBias.error_limit));
+        if (bias) bias->update(echo ? 0 : std::clamp(error, -kBias.error_limit, kBias.error_limit));
+        if (row.rules) row.rules->learn(k, row.values[c], interpolated, learnt);
         if (teaches(row, c, q != 0 && !s.exact && scale < kLearning.surprising_below)) {
             const double m = scale;
             const double weight = per_step_ * per_step_ / (m * m + 1);
@@ -198,10 +202,64 @@ class LevelPass {
         }
     }
 
+    /// Fills all of `s` but what depends on the rounding of the prediction; returns the expected
+    /// magnitude.
+    float describe(const Row& row, std::int64_t k, double p, Situation& s) const {
+        const std::int64_t c = forecast_.first + 2 * k;
+        const auto i = static_cast<std::size_t>(k);
+        const std::int32_t around =
+            forecast_.around[i] + row.stencil.west_share * std::abs(row.quotients[c - 2]);
+        const float gap = steps(forecast_.second[i] - p);
+        const float scale = forecast_.calm[i] + kScale.around * static_cast<float>(around) +
+                            kScale.gap * std::abs(gap);
+        s.kind = row.number();
+        s.scale = octave_class(scale);
+        s.texture = forecast_.texture[i];
+        s.sums = sum_class(around >> 1) * kSums + forecast_.inherited[i];
+        s.signs = sign_class(row.signs[0][c]) + 3 * sign_class(row.signs[1][c]);
+        s.exact = level_.step == 1;
+        return scale;
+    }
+
+    Bias& bias_of(const Row& row, std::int64_t c, double p, const Situation& s) {
+        std::size_t higher = 0;
+        for (const std::int32_t* nearest : row.nearest) higher = 2 * higher + (nearest[c] > p);
+        return state_.biases[s.kind][higher][coarse_scale(s.scale)][s.signs];
+    }
+
+    std::int32_t code_quotient(const Row& row, std::int64_t k, double p, Situation& s) {
+        const std::int64_t c = forecast_.first + 2 * k;
+        const double bounded = in_range(p);
+        const std::int32_t predicted = nearest_integer(bounded);
+        s.lost = steps(bounded - predicted);
+        s.dispute = steps(forecast_.second[static_cast<std::size_t>(k)] - p);
+        std::int32_t q = 0;
+        if constexpr (!Coder::kDecodes) q = quotient(source_(row.index, c) - predicted);
+        q = quotients_.code(q, s);
+        row.values[c] = value(predicted, q);
+        row.quotients[c] = static_cast<std::int16_t>(std::clamp(q, -kMostStored, kMostStored));
+        return q;
+    }
+
+    [[nodiscard]] float steps(double distance) const {
+        return static_cast<float>(distance) * static_cast<float>(per_step_);
+    }
+
+    [[nodiscard]] InterpolationRules::Predictions interpolate(const Row& row,
+                                                              std::int64_t c) const {
+        const std::array<double, 4> n = {
+            static_cast<double>(row.nearest[0][c]), static_cast<double>(row.nearest[1][c]),
+            static_cast<double>(row.nearest[2][c]), static_cast<double>(row.nearest[3][c])};
+        const Offset d = row.stencil.nearest[1];
+        return {(n[0] + n[3]) / 2, (n[1] + n[2]) / 2,
+                2 * n[1] - level_.values(row.index + 2 * d.row, c + 2 * d.col)};
+    }
+
     [[nodiscard]] std::int32_t quotient(std::int32_t residual) const {
         const std::int32_t size = std::abs(residual);
         if (size <= half_) return 0;
-        const auto q = static_cast<std::int32_t>((std::int64_t{size} + half_) / level_.step);
+        const auto sum = static_cast<std::uint32_t>(size) + static_cast<std::uint32_t>(half_);
+        const auto q = static_cast<std::int32_t>(sum / static_cast<std::uint32_t>(level_.step));
         return residual < 0 ? -q : q;
     }
 
@@ -220,29 +278,32 @@ class LevelPass {
     }
 
     void learn(const Row& row) {
-        equations_.clear();
-        for (const Lesson& lesson : lessons_) equations_.push_back(equation(row, lesson));
-        state_.regressions[row.number()].learn(equations_);
-    }
-
-    Equation equation(const Row& row, const Lesson& lesson) const {
-        const std::int64_t c = lesson.column;
-        const auto at = [&](Offset offset) -> double {
-            return level_.values(row.index + offset.row, c + offset.col);
-        };
-        double base = 0;
-        for (const std::int32_t* nearest : row.nearest) base += nearest[c];
-        base *= .25;
-        Equation equation;
+        const std::int64_t stride = level_.values.stride();
+        std::array<std::int64_t, kFeatures> first;
+        std::array<std::int64_t, kFeatures> second;
         for (std::size_t j = 0; j < kFeatures; ++j) {
             const Feature& feature = row.stencil.features[j];
-            double f = at(feature.first) - base;
-            if (feature.paired()) f += at(feature.second) - base;
-            equation.features[j] = f;
-            equation.weighted[j] = lesson.weight * f;
+            first[j] = feature.first.row * stride + feature.first.col;
+            second[j] = feature.second.row * stride + feature.second.col;
         }
-        equation.weighted[kFeatures] = lesson.weight * (row.values[c] - base);
-        return equation;
+        equations_.resize(lessons_.size());
+        for (std::size_t k = 0; k < lessons_.size(); ++k) {
+            const std::int64_t c = lessons_[k].column;
+            const double weight = lessons_[k].weight;
+            const std::int32_t* const value = row.values + c;
+            double base = 0;
+            for (const std::int32_t* nearest : row.nearest) base += nearest[c];
+            base *= .25;
+            std::array<double, kFeatures> features;
+            for (std::size_t j = 0; j < kFeatures; ++j) features[j] = value[first[j]] - base;
+            for (std::size_t j = row.stencil.singles; j < kFeatures; ++j)
+                features[j] += value[second[j]] - base;
+            for (std::size_t j = 0; j < kFeatures; ++j)
+                equations_[k].weighted[j] = weight * features[j];
+            equations_[k].features = features;
+            equations_[k].weighted[kFeatures] = weight * (*value - base);
+        }
+        state_.regressions[row.number()].learn(equations_);
     }
 
     static constexpr std::int32_t kMostStored = 30000;
@@ -255,6 +316,7 @@ class LevelPass {
     std::int32_t half_;  ///< the largest error that needs no quotient
     double per_step_;
     RowForecast forecast_;
+    std::vector<InterpolationRules> rules_;  ///< of each kind, if the step is 1
     std::vector<Lesson> lessons_;
     std::vector<Equation> equations_;
 };

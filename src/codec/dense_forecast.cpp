@@ -16,6 +16,7 @@ void RowForecast::resize(std::int64_t samples) {
     texture.resize(size);
     inherited.resize(size);
     base_.resize(size);
+    roughness_.resize(size);
 }
 
 void RowForecast::make(const LatticeLevel& level, Kind kind, std::int64_t row,
@@ -53,7 +54,7 @@ void RowForecast::predict(const LatticeLevel& level, const Stencil& stencil, std
         const Feature& feature = stencil.features[j];
         taps[used++] = {at(feature.first), weights[j]};
         share -= weights[j];
-        if (!feature.paired()) continue;
+        if (j < stencil.singles) continue;
         taps[used++] = {at(feature.second), weights[j]};
         share -= weights[j];
     }
@@ -87,19 +88,23 @@ void RowForecast::measure(const LatticeLevel& level, const Stencil& stencil, std
         const double ne = b[2 * k];
         const double sw = c[2 * k];
         const double se = d[2 * k];
-        const double roughness = .25 * std::abs(nw - ne - sw + se) +
-                                 .05 * (std::abs(nw - se) + std::abs(ne - sw)) +
-                                 ring * std::abs(second[i] - base_[i]);
-        const float steps = static_cast<float>(roughness) * per_step;
+        roughness_[i] = static_cast<float>(.25 * std::abs(nw - ne - sw + se) +
+                                           .05 * (std::abs(nw - se) + std::abs(ne - sw)) +
+                                           ring * std::abs(second[i] - base_[i])) *
+                        per_step;
+    }
+    for (std::int64_t k = 0; k < count; ++k) {
+        const auto i = static_cast<std::size_t>(k);
         const std::int32_t late = std::abs(late0[2 * k]) + std::abs(late1[2 * k]);
         const std::int32_t early = std::abs(early0[2 * k]) + std::abs(early1[2 * k]);
-        texture[i] = static_cast<std::uint8_t>(octave_class(steps));
+        texture[i] = static_cast<std::uint8_t>(octave_class(roughness_[i]));
         inherited[i] = static_cast<std::uint8_t>(sum_class(late + early));
         around[i] = stencil.causal_shares[0] * std::abs(q0[2 * k]) +
                     stencil.causal_shares[1] * std::abs(q1[2 * k]) +
                     stencil.causal_shares[2] * std::abs(q2[2 * k]);
         calm[i] = kScale.late * static_cast<float>(late) +
-                  kScale.early * static_cast<float>(early) + kScale.texture * steps + kScale.least;
+                  kScale.early * static_cast<float>(early) + kScale.texture * roughness_[i] +
+                  kScale.least;
     }
 }
 

@@ -31,6 +31,7 @@ struct RowForecast {
     void measure(const LatticeLevel& level, const Stencil& stencil, std::int64_t row);
 
     std::vector<double> base_;
+    std::vector<float> roughness_;  ///< in steps
 };
 
 }  // namespace relief::codec::dense

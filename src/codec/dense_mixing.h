@@ -7,7 +7,8 @@
 #include "codec/probability.h"
 
 /// Adaptive probabilities of the dense profile: one estimate for each of three contexts, mixed and
-/// refined. docs/format.md, "Dense levels".
+/// refined. Source: codec-closed-loop, section 4.7; one rate of learning instead of two, because
+/// estimates start anew at each level.
 namespace relief::codec::dense {
 
 /// The probability that a decision in one context is 1, in 22 bits above the number of decisions
@@ -39,46 +40,75 @@ class Estimate {
     std::uint32_t state_ = std::uint32_t{1} << 31;
 };
 
-/// Weights of three log odds, times 2^14.
-struct Mixer {
-    static constexpr std::size_t kInputs = 3;
-    static constexpr std::int32_t kOne = 1 << 14;
+/// Three estimates of one decision, added as log odds with learnt weights.
+class Mixer {
+  public:
+    using Estimates = std::array<Estimate*, 3>;
+    using Odds = std::array<std::int32_t, 3>;
 
-    std::array<std::int32_t, kInputs> weights;
+    static Odds odds_of(const Estimates& estimates) {
+        return {kOdds.stretch[estimates[0]->twelve_bits()],
+                kOdds.stretch[estimates[1]->twelve_bits()],
+                kOdds.stretch[estimates[2]->twelve_bits()]};
+    }
 
-    Mixer() { weights.fill(kOne * 36 / 100); }
+    /// The sum, plus kOddsLimit: an index of kOdds.squash.
+    [[nodiscard]] std::uint32_t mix(const Odds& odds) const {
+        std::int32_t sum = 0;
+        for (std::size_t k = 0; k < odds.size(); ++k) sum += weights_[k] * odds[k];
+        return static_cast<std::uint32_t>(std::clamp(sum >> 14, -kOddsLimit, kOddsLimit) +
+                                          kOddsLimit);
+    }
+
+    /// `miss`: 65536 times what the probability was too low.
+    void learn(const Odds& odds, std::int32_t miss) {
+        for (std::size_t k = 0; k < odds.size(); ++k)
+            weights_[k] = std::clamp(weights_[k] + ((odds[k] * (miss >> 2) + (1 << 15)) >> 16),
+                                     -kLargest, kLargest);
+    }
+
+  private:
+    static constexpr std::int32_t kStart = (1 << 14) * 36 / 100;
+    static constexpr std::int32_t kLargest = 1 << 17;  ///< three products fit 32 bits
+
+    std::array<std::int32_t, 3> weights_ = {kStart, kStart, kStart};  ///< times 2^14
 };
+
+/// 65535 or 0: what a probability of the decision should have been.
+inline std::int32_t target_of(bool bit) {
+    return bit ? 65535 : 0;
+}
 
 /// Codes one decision under three contexts. All that took part learns.
 template <class Coder>
-bool code_mixed(Coder& coder, bool bit, Estimate& a, Estimate& b, Estimate& c, Mixer& mixer,
-                Refinement& refinement) {
-    const std::array<std::int32_t, Mixer::kInputs> odds = {kOdds.stretch[a.twelve_bits()],
-                                                           kOdds.stretch[b.twelve_bits()],
-                                                           kOdds.stretch[c.twelve_bits()]};
-    std::int32_t sum = 0;
-    for (std::size_t k = 0; k < Mixer::kInputs; ++k) sum += mixer.weights[k] * odds[k];
-    const std::int32_t mixed = std::clamp(sum >> 14, -kOddsLimit, kOddsLimit);
-    const auto position = static_cast<std::uint32_t>(mixed + kOddsLimit);
-    const std::uint32_t predicted = kOdds.squash[position];
+bool code_mixed(Coder& coder, bool bit, const Mixer::Estimates& estimates, Mixer& mixer) {
+    const Mixer::Odds odds = Mixer::odds_of(estimates);
+    const std::uint32_t predicted = kOdds.squash[mixer.mix(odds)];
+    bit = coder.code(bit, codable(predicted));
+    mixer.learn(odds, target_of(bit) - static_cast<std::int32_t>(predicted));
+    for (Estimate* estimate : estimates) estimate->update(bit);
+    return bit;
+}
 
+/// The same with the probability refined by what happened when it was predicted.
+template <class Coder>
+bool code_refined(Coder& coder, bool bit, const Mixer::Estimates& estimates, Mixer& mixer,
+                  Refinement& refinement) {
+    const Mixer::Odds odds = Mixer::odds_of(estimates);
+    const std::uint32_t position = mixer.mix(odds);
+    const std::uint32_t predicted = kOdds.squash[position];
     constexpr std::uint32_t kStep = Refinement::kStep;
     const std::uint32_t cell = std::min(position / kStep, Refinement::kCells - 2);
     const std::uint32_t part = position - cell * kStep;
-    std::uint16_t* around = &refinement.cells[cell];
+    std::uint16_t* const around = &refinement.cells[cell];
     const std::uint32_t refined = (around[0] * (kStep - part) + around[1] * part) / kStep;
 
     bit = coder.code(bit, codable((predicted + refined) / 2));
 
-    const std::int32_t target = bit ? 65535 : 0;
-    const std::int32_t error = (target - static_cast<std::int32_t>(predicted)) >> 3;
-    for (std::size_t k = 0; k < Mixer::kInputs; ++k)
-        mixer.weights[k] += (odds[k] * error + 0x8000) >> 16;
+    mixer.learn(odds, target_of(bit) - static_cast<std::int32_t>(predicted));
     std::uint16_t& nearest = around[part >= kStep / 2];
-    nearest = static_cast<std::uint16_t>(nearest + ((target - std::int32_t{nearest}) >> 6));
-    a.update(bit);
-    b.update(bit);
-    c.update(bit);
+    nearest = static_cast<std::uint16_t>(nearest + ((target_of(bit) - std::int32_t{nearest}) >> 6));
+    for (Estimate* estimate : estimates) estimate->update(bit);
     return bit;
 }
 

@@ -110,8 +110,6 @@ struct DenseModel {
     std::array<Mixer, kKinds> sign_mixer;
     std::array<std::array<Mixer, kCoarseScales>, Contexts::kNodes> beyond_mixer;
     std::array<std::array<Refinement, kScales>, kKinds> zero_refinement;
-    std::array<Refinement, Contexts::kLeans> sign_refinement;
-    std::array<std::array<Refinement, kCoarseScales>, Contexts::kNodes> beyond_refinement;
 };
 
 /// Codes quotients: a zero flag, the sign, the bucket of |q| - 1 in unary, the place in the bucket.
@@ -136,11 +134,13 @@ class QuotientCoder {
   private:
     bool code_nonzero(bool nonzero, const Situation& s, std::size_t fraction) {
         Contexts& contexts = model_.contexts;
-        return code_mixed(coder_, nonzero,
-                          s.exact ? *contexts.exact_by_scale(s, fraction) : *contexts.by_scale(s),
-                          s.exact ? *contexts.exact_by_sums(s, fraction) : *contexts.by_sums(s),
-                          *contexts.by_texture(s), model_.zero_mixer[s.kind][coarse_scale(s.scale)],
-                          model_.zero_refinement[s.kind][s.scale]);
+        const Mixer::Estimates estimates = {
+            s.exact ? contexts.exact_by_scale(s, fraction) : contexts.by_scale(s),
+            s.exact ? contexts.exact_by_sums(s, fraction) : contexts.by_sums(s),
+            contexts.by_texture(s)};
+        return code_refined(coder_, nonzero, estimates,
+                            model_.zero_mixer[s.kind][coarse_scale(s.scale)],
+                            model_.zero_refinement[s.kind][s.scale]);
     }
 
     bool code_sign(bool negative, const Situation& s) {
@@ -150,9 +150,10 @@ class QuotientCoder {
         const std::size_t distance = size_class(s.dispute, kDisputeLimits);
         const std::size_t dispute =
             s.dispute < 0 ? kDisputeLimits.size() - distance : kDisputeLimits.size() + distance;
-        return code_mixed(coder_, negative, contexts.sign_by_lean(s, lean),
-                          contexts.sign_by_scale(s), contexts.sign_by_dispute(lean, dispute),
-                          model_.sign_mixer[s.kind], model_.sign_refinement[lean]);
+        return code_mixed(coder_, negative,
+                          {&contexts.sign_by_lean(s, lean), &contexts.sign_by_scale(s),
+                           &contexts.sign_by_dispute(lean, dispute)},
+                          model_.sign_mixer[s.kind]);
     }
 
     std::uint32_t code_bucket(std::uint32_t bucket, const Situation& s, std::size_t lean) {
@@ -166,10 +167,10 @@ class QuotientCoder {
         for (std::uint32_t u = 0; u < Contexts::kBuckets; ++u) {
             const std::size_t node = std::min<std::size_t>(u + 1, Contexts::kNodes - 1);
             const bool exact = s.exact && node < Contexts::kExactNodes;
-            if (!code_mixed(coder_, bucket > u, (exact ? exact_by_scale : by_scale)[node],
-                            (exact ? exact_by_sums : by_sums)[node], by_texture[node],
-                            model_.beyond_mixer[node][coarse],
-                            model_.beyond_refinement[node][coarse]))
+            if (!code_mixed(coder_, bucket > u,
+                            {(exact ? exact_by_scale : by_scale) + node,
+                             (exact ? exact_by_sums : by_sums) + node, by_texture + node},
+                            model_.beyond_mixer[node][coarse]))
                 return u;
         }
         return Contexts::kBuckets;

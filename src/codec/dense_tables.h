@@ -8,7 +8,7 @@
 
 /// The numbers of the dense profile of the closed loop: which samples predict, with which weights
 /// they start, and how the expected magnitude of a quotient is made. Source: codec-closed-loop,
-/// section 4; docs/codec.md lists the same tables.
+/// section 4.
 namespace relief::codec::dense {
 
 /// What is coded: D samples; E samples on odd rows, whose vertical neighbours are EE; E samples on
@@ -30,8 +30,6 @@ inline constexpr Offset kWest = {0, -2};
 struct Feature {
     Offset first;
     Offset second = {};
-
-    [[nodiscard]] constexpr bool paired() const { return second.row != 0 || second.col != 0; }
 };
 inline constexpr std::size_t kFeatures = 16;
 
@@ -40,7 +38,8 @@ inline constexpr std::size_t kFeatures = 16;
 struct Stencil {
     /// Opposite pairs: {0, 3} and {1, 2}. E samples: {0, 3} the EE pair, {1, 2} the D pair.
     std::array<Offset, 4> nearest;
-    std::array<Feature, kFeatures> features;  ///< the first is kWest
+    std::array<Feature, kFeatures> features;  ///< the first is kWest, the paired ones are the last
+    std::size_t singles;                      ///< features that are not paired
     std::array<double, kFeatures> weights;    ///< before anything is learnt
     /// The second opinion: base + second_weight (sum of the ring less as many bases).
     std::array<Offset, 8> ring;
@@ -76,6 +75,7 @@ inline constexpr std::array<Stencil, kKinds> kStencils = {{
                    {{-2, 0}},
                    {{-2, 2}},
                    {{-3, -3}, {3, 3}}}},
+     .singles = 15,
      .weights = {.06, .04, .04, 0, -.04, -.035, -.035, -.05, -.035, .02, -.025, -.03, -.04, -.08},
      .ring = {{{-1, -3}, {-1, 3}, {1, -3}, {1, 3}, {-3, -1}, {-3, 1}, {3, -1}, {3, 1}}},
      .ring_size = 8,
@@ -104,6 +104,7 @@ inline constexpr std::array<Stencil, kKinds> kStencils = {{
                    {{2, -1}, {2, 1}},
                    {{-1, -2}, {-1, 2}},
                    {{1, -2}, {1, 2}}}},
+     .singles = 12,
      .weights = {-.08, -.1, .05, -.13, 0, .01, .005, .01, -.01, 0, 0, -.06, -.005, -.035, -.035,
                  -.03},
      .ring = {{{-3, 0}, {3, 0}, {0, -3}, {0, 3}}},
@@ -133,6 +134,7 @@ inline constexpr std::array<Stencil, kKinds> kStencils = {{
                    {{-1, 2}, {1, 2}},
                    {{-2, -1}, {2, -1}},
                    {{-2, 1}, {2, 1}}}},
+     .singles = 12,
      .weights = {-.08, .15, .03, .09, 0, .01, 0, .015, .005, 0, 0, -.04, -.018, -.035, -.035, -.03},
      .ring = {{{0, -3}, {0, 3}, {-3, 0}, {3, 0}}},
      .ring_size = 4,
@@ -181,7 +183,7 @@ struct BiasRules {
 inline constexpr BiasRules kBias;
 
 /// What a new level trusts an estimate of the coarser levels: as many decisions at most.
-inline constexpr std::uint32_t kInheritedVisits = 16;
+inline constexpr std::uint32_t kInheritedVisits = 10;
 
 /// Limits of the classes of |prediction - rounded prediction| / step and of |second opinion -
 /// prediction| / step.

@@ -15,13 +15,14 @@ struct IntegerDomain {
     double unit = 1;
     double origin = 0;         ///< an integer
     std::int32_t step = 1;     ///< odd: quantiser step in units
-    std::int32_t highest = 0;  ///< valid samples have v = 0 .. highest
+    std::int32_t highest = 0;  ///< valid samples have v = 0 .. highest, or are repaired
     double rounding = 0;       ///< storing moves a value by at most this (the encoder's knowledge)
-    bool lattice = false;  ///< samples are multiples of the unit (but for some that are repaired)
+    bool lattice = false;   ///< samples are multiples of the unit (but for some that are repaired)
+    bool outliers = false;  ///< samples lie outside and are repaired (the encoder's knowledge)
 
     [[nodiscard]] double value(std::int32_t v) const { return unit * (origin + v); }
-    /// The nearest v, clamped to 0 .. highest.
-    [[nodiscard]] std::int32_t integer(double sample) const;
+    /// out[k] = the v nearest to samples[k], ties to even, clamped to 0 .. highest; 0 for NaN.
+    void integers(const double* samples, std::int64_t n, std::int32_t* out) const;
 };
 
 /// What must be known of all valid samples of a component.
@@ -49,7 +50,8 @@ struct SampleStatistics {
 [[nodiscard]] std::optional<IntegerDomain> make_domain(const SampleStatistics& statistics,
                                                        SampleType type, double unit, double bound);
 
-/// Shares of samples that may lie off a lattice.
+/// Shares of samples that may lie off a lattice, and outside a domain.
 inline constexpr double kLatticeMisfits = 0.01;
+inline constexpr double kMostOutliers = 0.01;
 
 }  // namespace relief::codec

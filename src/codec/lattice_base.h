@@ -7,7 +7,7 @@
 #include "relief/core/stream.h"
 
 /// The coarsest lattice of the closed loop: a few samples, each predicted from its west and north
-/// neighbours. docs/format.md, "Base lattice".
+/// neighbours. docs/format.md, "Levels".
 namespace relief::codec {
 
 /// Fills level.values with what decoding gives. `source`: the level's samples.

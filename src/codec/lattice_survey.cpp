@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <string>
 
 #include "codec/lattice_encode.h"
@@ -12,6 +14,10 @@ namespace {
 
 constexpr std::int64_t kStrip = TileTree::kTile;
 constexpr std::int64_t kCoarse = std::int64_t{1} << TileTree::kTierLevels;
+
+LatticeBox strip_box(const Raster& about, std::int64_t row) {
+    return {row, 0, std::min(kStrip, about.rows - row), about.cols};
+}
 
 bool is_valid(const Raster& strip, std::int64_t r, std::int64_t c) {
     return strip.mask.empty() || strip.mask(r, c) != 0;
@@ -79,11 +85,10 @@ Misfits misfits(const Raster& strip, std::size_t component, double unit, const R
     return {off, all};
 }
 
-/// The lattice unit of a component; 0: none.
-Result<double> find_unit(const RasterSource& source, const Survey& seen, std::size_t component,
-                         double bound) {
+/// The lattice unit of a component with these statistics; 0: none.
+Result<double> find_unit(const RasterSource& source, const Raster& coarse, std::size_t component,
+                         const SampleStatistics& statistics, double bound) {
     const Raster& about = source.description();
-    const SampleStatistics& statistics = seen.components[component];
     const double largest = std::max(std::abs(statistics.lowest), std::abs(statistics.highest));
     if (is_integer(about.type)) {
         const double unit = std::max(statistics.step, 1.0);
@@ -94,11 +99,10 @@ Result<double> find_unit(const RasterSource& source, const Survey& seen, std::si
     }
     for (int k = 0; const auto unit = lattice_candidate(k); ++k) {
         if (!(*unit > 4.8e-7 * largest)) continue;
-        if (!misfits(seen.coarse, component, *unit, about, bound).accepted()) continue;
+        if (!misfits(coarse, component, *unit, about, bound).accepted()) continue;
         Misfits all;
         for (std::int64_t row = 0; row < about.rows; row += kStrip) {
-            const LatticeBox box{row, 0, std::min(kStrip, about.rows - row), about.cols};
-            RELIEF_TRY(const Raster strip, source.read(box));
+            RELIEF_TRY(const Raster strip, source.read(strip_box(about, row)));
             const Misfits some = misfits(strip, component, *unit, about, bound);
             all.off += some.off;
             all.all += some.all;
@@ -106,6 +110,55 @@ Result<double> find_unit(const RasterSource& source, const Survey& seen, std::si
         if (all.accepted()) return *unit;
     }
     return 0.0;
+}
+
+/// Statistics of the samples of a component by their binary order of magnitude.
+using Magnitudes = std::map<int, SampleStatistics>;
+
+Result<Magnitudes> magnitudes(const RasterSource& source, std::size_t component) {
+    const Raster& about = source.description();
+    Magnitudes all;
+    for (std::int64_t row = 0; row < about.rows; row += kStrip) {
+        RELIEF_TRY(const Raster strip, source.read(strip_box(about, row)));
+        for (std::int64_t r = 0; r < strip.rows; ++r)
+            for (std::int64_t c = 0; c < strip.cols; ++c) {
+                if (!is_valid(strip, r, c)) continue;
+                const double sample = strip.planes[component](r, c);
+                all[std::ilogb(sample)].add(sample);
+            }
+    }
+    return all;
+}
+
+/// The domain of a component whose samples have these statistics; none: they do not fit.
+Result<std::optional<IntegerDomain>> fitting_domain(const RasterSource& source,
+                                                    const Raster& coarse, std::size_t component,
+                                                    const SampleStatistics& statistics,
+                                                    double bound) {
+    RELIEF_TRY(const double unit, find_unit(source, coarse, component, statistics, bound));
+    return make_domain(statistics, source.description().type, unit, bound);
+}
+
+/// The domain of a component. Where not all samples fit, those of the largest orders of magnitude
+/// are left out, as few as it takes and no more than may be repaired.
+Result<std::optional<IntegerDomain>> find_domain(const RasterSource& source, const Survey& seen,
+                                                 std::size_t component, double bound) {
+    const SampleStatistics& all = seen.components[component];
+    RELIEF_TRY(auto domain, fitting_domain(source, seen.coarse, component, all, bound));
+    if (domain) return domain;
+    RELIEF_TRY(Magnitudes rest, magnitudes(source, component));
+    const auto fewest =
+        static_cast<std::int64_t>((1 - kMostOutliers) * static_cast<double>(all.count));
+    for (;;) {
+        rest.erase(std::prev(rest.end()));
+        SampleStatistics inner;
+        for (const auto& [order, statistics] : rest) inner.add(statistics);
+        if (inner.count == 0 || inner.count < fewest) return domain;
+        RELIEF_TRY(domain, fitting_domain(source, seen.coarse, component, inner, bound));
+        if (!domain) continue;
+        domain->outliers = true;
+        return domain;
+    }
 }
 
 /// The bilinear surface through the coarsest lattice.
@@ -200,10 +253,9 @@ Result<Survey> survey(const RasterSource& source, const Progress& progress) {
     for (int p = 0; p < source.components(); ++p)
         seen.coarse.planes.emplace_back(seen.coarse.rows, seen.coarse.cols);
     for (std::int64_t row = 0; row < about.rows; row += kStrip) {
-        const LatticeBox box{row, 0, std::min(kStrip, about.rows - row), about.cols};
-        RELIEF_TRY(const Raster strip, source.read(box));
-        std::vector<RowSurvey> rows(static_cast<std::size_t>(box.rows));
-        parallel_for(0, box.rows, 16, [&](std::int64_t first, std::int64_t last) {
+        RELIEF_TRY(const Raster strip, source.read(strip_box(about, row)));
+        std::vector<RowSurvey> rows(static_cast<std::size_t>(strip.rows));
+        parallel_for(0, strip.rows, 16, [&](std::int64_t first, std::int64_t last) {
             for (std::int64_t r = first; r < last; ++r)
                 rows[static_cast<std::size_t>(r)] = survey_row(strip, r);
         });
@@ -233,8 +285,7 @@ Result<bool> choose_domains(const RasterSource& source, const Survey& seen, doub
     coding.nodata = source.description().nodata;
     coding.domains.clear();
     for (std::size_t p = 0; p < seen.components.size(); ++p) {
-        RELIEF_TRY(const double unit, find_unit(source, seen, p, bound));
-        const auto domain = make_domain(seen.components[p], coding.type, unit, bound);
+        RELIEF_TRY(const auto domain, find_domain(source, seen, p, bound));
         if (!domain) return false;
         coding.domains.push_back(*domain);
     }

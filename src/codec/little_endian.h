@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <cstring>
 
-/// Little-endian numbers at known addresses, for loops that count every instruction; bytes.h has the
-/// checked readers and writers.
+/// Little-endian numbers at known addresses, for loops that count every instruction; bytes.h has
+/// the checked readers and writers.
 namespace relief::codec {
 
 /// Copied at once where the machine allows: compilers do not merge the bytes of the loop.

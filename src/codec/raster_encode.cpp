@@ -43,10 +43,15 @@ Status check(const RasterSource& source, const Goal& goal) {
     return {};
 }
 
+/// The goal is a bound of every sample's error.
+bool is_bound(const Goal& goal) {
+    return goal.kind == Kind::MaxError || goal.kind == Kind::Lossless ||
+           (goal.kind == Kind::RmsError && goal.value == 0);
+}
+
 /// Bounds are kept best by quantising inside the prediction, squared errors by smooth bases.
 SchemeSpec best_scheme(const Goal& goal) {
-    const bool bounded = goal.kind == Kind::MaxError || goal.kind == Kind::Lossless;
-    return {.id = bounded ? SchemeId::Fvs : SchemeId::Cubic};
+    return {.id = is_bound(goal) ? SchemeId::Fvs : SchemeId::Cubic};
 }
 
 /// The closed loop to a sink.
@@ -58,7 +63,7 @@ class LatticeWriter {
 
     /// False: the samples do not fit its integers.
     Result<bool> encode() {
-        const double bound = options_.goal.kind == Kind::Lossless ? 0 : options_.goal.value;
+        const double bound = options_.goal.kind == Kind::MaxError ? options_.goal.value : 0;
         RELIEF_TRY(const Survey seen, survey(source_, options_.progress));
         LatticeCoding coding;
         coding.profile = options_.profile;
@@ -97,7 +102,7 @@ class LatticeWriter {
         header.description = description_of(about);
         header.components = source_.components();
         header.has_mask = encoding.has_holes;
-        header.spec = {.id = SchemeId::Fvs, .order = 3, .levels = tree.levels()};
+        header.spec = {.id = SchemeId::Fvs, .levels = tree.levels()};
         header.goal = options_.goal;
         header.max_error = encoding.max_error;
         const auto values = static_cast<double>(encoding.samples) * header.components;
@@ -168,8 +173,7 @@ Result<EncodeReport> encode_raster(const RasterSource& source, const EncodeOptio
                                    ByteSink& sink, Spool& spool) {
     RELIEF_CHECK(check(source, options.goal));
     SchemeSpec spec = options.spec.value_or(best_scheme(options.goal));
-    const bool bounded = options.goal.kind == Kind::MaxError || options.goal.kind == Kind::Lossless;
-    if (spec.id == SchemeId::Fvs && bounded) {
+    if (spec.id == SchemeId::Fvs && is_bound(options.goal)) {
         LatticeWriter writer(source, options, sink, spool);
         RELIEF_TRY(const bool fits, writer.encode());
         if (fits) {

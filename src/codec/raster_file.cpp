@@ -22,7 +22,6 @@ namespace {
 /// byte that only one without content has more.
 constexpr std::uint64_t kSamplesAlways = std::uint64_t{1} << 28;
 constexpr std::uint64_t kSamplesPerByte = std::uint64_t{1} << 16;
-constexpr std::uint64_t kCopyBlock = std::uint64_t{1} << 20;
 
 /// Sizes are believed before anything of their size is allocated, so they must be believable.
 Status check_size(const Raster& description, int components, std::uint64_t file_size) {
@@ -125,7 +124,8 @@ Result<RasterFile> RasterFile::open(std::shared_ptr<const ByteSource> source,
     const std::uint64_t size = source->size();
     RELIEF_CHECK(state->open(std::move(source), visible));
     const std::uint64_t whole = state->container->complete_size();
-    if (visible >= size && size < whole)
+    const bool all = visible == std::numeric_limits<std::uint64_t>::max();
+    if (all && size < whole)
         return Error{ErrorCode::BadFile,
                      "is cut off: " + std::to_string(size) + " of " + std::to_string(whole) +
                          " bytes are there; 'decode --bytes " + std::to_string(size) +
@@ -146,6 +146,9 @@ const multires::SchemeSpec& RasterFile::spec() const {
 }
 const PyramidLayout& RasterFile::layout() const {
     return state_->layout;
+}
+bool RasterFile::has_holes() const {
+    return state_->header.has_mask;
 }
 bool RasterFile::closed_loop() const {
     return state_->header.lattice.has_value();
@@ -222,6 +225,10 @@ std::optional<double> RasterFile::surface_bound(int level) const {
 
 std::uint64_t RasterFile::bytes_for(int level) const {
     return state_->body->bytes_for(level);
+}
+
+std::uint64_t RasterFile::bytes_read() const {
+    return state_->container->bytes_read();
 }
 
 LatticeBox RasterFile::box(int level) const {
@@ -338,17 +345,14 @@ Status add_moves(const std::shared_ptr<const ByteSource>& source, const std::vec
     RELIEF_TRY(const ContainerReader reader, ContainerReader::open(source));
     std::vector<ChunkInfo> chunks = reader.chunks();
     const Bytes edits = write_moves(all);
-    const std::uint64_t old_end = chunks[kEditsChunk].offset + chunks[kEditsChunk].length;
     chunks[kEditsChunk].length = edits.size();
     chunks[kEditsChunk].checksum = chunk_checksum(edits);
     RELIEF_TRY(const Bytes head, container_head(reader.header(), chunks));
     RELIEF_CHECK(sink.write(head));
     RELIEF_CHECK(sink.write(edits));
-    Bytes block;
-    for (std::uint64_t at = old_end; at < source->size(); at += block.size()) {
-        block.resize(static_cast<std::size_t>(std::min(kCopyBlock, source->size() - at)));
-        RELIEF_CHECK(source->read(at, block));
-        RELIEF_CHECK(sink.write(block));
+    for (std::size_t k = kEditsChunk + 1; k < chunks.size(); ++k) {
+        RELIEF_TRY(const Bytes chunk, reader.chunk(k));
+        RELIEF_CHECK(sink.write(chunk));
     }
     return {};
 }

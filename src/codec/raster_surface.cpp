@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace relief::codec {
 
@@ -10,6 +11,12 @@ Result<RasterSurface> RasterSurface::create(const RasterFile& file, int level,
     RasterSurface surface;
     surface.window_ = window;
     RELIEF_TRY(DecodedRaster decoded, file.decode_window(level, window));
+    if (!decoded.damaged.empty())
+        return Error{ErrorCode::BadFile,
+                     "chunks of the tiles around that place are damaged; 'decode --allow-damage' "
+                     "fills them in from coarser ones",
+                     "row " + std::to_string(decoded.damaged[0].row0) + ", column " +
+                         std::to_string(decoded.damaged[0].col0)};
     surface.mask_ = std::move(decoded.raster.mask);
     const LatticeBox all = file.box(level);
     const bool windowed = file.closed_loop() && all.rows > 1 && all.cols > 1;

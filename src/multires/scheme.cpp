@@ -209,7 +209,8 @@ void fill_norms(PyramidLayout& layout) {
 }  // namespace
 
 bool samples_are_coefficients(const SchemeSpec& spec) {
-    return spec.id == SchemeId::Cubic || spec.id == SchemeId::Fvs || spec.order == 1 || spec.data_map == DataMap::Coefficients;
+    return spec.id == SchemeId::Cubic || spec.id == SchemeId::Fvs || spec.order == 1 ||
+           spec.data_map == DataMap::Coefficients;
 }
 
 std::string_view scheme_name(SchemeId id) {

@@ -220,7 +220,8 @@ void CubicSurface<T>::evaluate_grid(double i0, double di, double j0, double dj,
         column.cell = place.cell;
         spline_weights(place.fraction, column.weights);
     }
-    const auto [first_cell, last_cell] = std::minmax(columns.front().cell, columns.back().cell);
+    const std::int64_t first_cell = std::min(columns.front().cell, columns.back().cell);
+    const std::int64_t last_cell = std::max(columns.front().cell, columns.back().cell);
     const std::int64_t width = last_cell - first_cell + kReaching;
     const std::int64_t grain = kPointGrain / out.cols + 1;
     parallel_for(0, out.rows, grain, [&](std::int64_t first, std::int64_t last) {

@@ -70,7 +70,7 @@ class Damaged(Case):
                           ("render", self.bad, self.path("n.png")),
                           ("render", dem, self.path("n.png"), "--style", "error",
                            "--reference", self.bad)):
-            self.refuse(1, *arguments, says=("bad.relief", "checksum differs"))
+            self.refuse(1, *arguments, says=("bad.relief", "damaged"))
         self.assertFalse(self.json("info", self.bad)["checksums_ok"])
         self.assertIn("DO NOT HOLD", self.text("info", self.bad))
         # What precedes the damage is still good.

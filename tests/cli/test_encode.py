@@ -7,7 +7,8 @@ import numpy as np
 from harness import NORTH_UP, Case, energy, finite, hills, main, read_raster, samples
 
 ENCODE_KEYS = ("scheme order levels samples coefficients kept bytes bits_per_sample max_error "
-               "rms_error energy_percent bound corrected seconds").split()
+               "rms_error energy_percent bound corrected closed_loop profile lattice "
+               "seconds").split()
 
 
 def stored(dtype, rows=45, cols=60, seed=3):
@@ -40,8 +41,12 @@ class Report(Case):
                 file, report = self.encoded(dem, *goal)
                 self.assertEqual(list(report), ENCODE_KEYS)
                 for key in ENCODE_KEYS[1:]:
-                    self.assertTrue(finite(report[key]), key)
-                self.assertEqual((report["scheme"], report["order"]), ("box", 2))
+                    if key not in ("profile", "lattice", "closed_loop"):
+                        self.assertTrue(finite(report[key]), key)
+                closed = goal[0] in ("--max-error", "--lossless")
+                self.assertEqual((report["scheme"], report["closed_loop"]),
+                                 ("fvs", True) if closed else ("cubic", False))
+                self.assertEqual(report["profile"], "dense" if closed else None)
                 self.assertEqual(report["samples"], 45 * 60)
                 self.assertEqual(report["bytes"], os.path.getsize(file))
                 self.assertEqual(report["bits_per_sample"], 8 * report["bytes"] / (45 * 60))

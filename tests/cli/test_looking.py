@@ -22,7 +22,7 @@ class Info(Case):
         for key in ("format version scheme order levels bands bytes bound crs extent "
                     "checksums_ok").split():
             self.assertIn(key, info)
-        self.assertEqual((info["format"], info["version"]), ("relief", 0))
+        self.assertEqual((info["format"], info["version"]), ("relief", 1))
         self.assertEqual((info["scheme"], info["order"], info["levels"]), ("barycentric", 2, 2))
         self.assertEqual((info["rows"], info["cols"], info["components"]), (60, 70, 1))
         self.assertEqual((info["type"], info["nodata"], info["unit"]), ("float32", -9, "m"))

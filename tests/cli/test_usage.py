@@ -82,7 +82,7 @@ class WrongUsage(Case):
                     says="9999")
         self.refuse(2, "encode", self.dem, self.out, "--scheme", "barycentric", "--dual", 77,
                     says="77")
-        self.refuse(2, "compare", self.dem, self.relief, "--levels", 99, says="99")
+        self.refuse(2, "compare", self.dem, self.relief, "--scheme", "box", "--levels", 99, says="99")
 
     def test_decode_options(self):
         for window in ("0,0,51,1", "-1,0,2,2", "50,0,1,1", "0,0,0,5", "9223372036854775807,0,2,2"):

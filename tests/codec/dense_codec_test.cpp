@@ -5,6 +5,7 @@
 #include "codec/dense_forecast.h"
 #include "codec/dense_least_squares.h"
 #include "codec/dense_model.h"
+#include "codec/dense_rules.h"
 #include "codec/lattice_level.h"
 #include "relief/core/simd.h"
 #include "support.h"
@@ -228,6 +229,25 @@ TEST(DenseCodec, CodesNoiseNearItsEntropy) {
     EXPECT_LE(bits(15), 0.25);
 }
 
+/// The finest samples of every odd row are means of those above and below, rounded down. Coded as
+/// noise like the others they would cost log2(2000) = 11 bits each.
+TEST(DenseCodec, FindsSamplesThatWereInterpolated) {
+    Surface surface(hills(128, 128, 0, 1000), 1);
+    for (std::int64_t r = 1; r < 127; r += 2)
+        for (std::int64_t c = 0; c < 128; ++c)
+            surface.samples(r, c) = (surface.samples(r - 1, c) + surface.samples(r + 1, c)) >> 1;
+    const Coded coded = encode(surface, 1);
+    EXPECT_EQ(largest_error(surface, coded.finest), 0);
+    const auto decoded = decode(surface, coded.chunks);
+    ASSERT_TRUE(decoded.ok()) << decoded.error().text();
+    EXPECT_TRUE(same(decoded->values, coded.finest.values));
+    // A quarter of the samples is given, a quarter (D) is noise of half the variance, 10.5 bits. Of
+    // the E samples one half are means, and the other half are told by the D samples to within one;
+    // both cost up to 2 bits, and what it takes to notice.
+    const double bits = 8.0 * static_cast<double>(coded.size());
+    EXPECT_LE(bits, 64 * 64 * (11 + 2.5 + 4));
+}
+
 TEST(DenseCodec, DescendantsUseWhatWasLearnt) {
     const std::unique_ptr<LevelCodec> codec = make_dense_codec();
     (void)encode(*codec, Surface(hills(256, 256, 900, 4.5), 3), 7);
@@ -378,7 +398,8 @@ TEST(RowForecast, SumsBaseAndFeatures) {
             for (std::size_t j = 0; j < kFeatures; ++j) {
                 const Feature& feature = stencil.features[j];
                 expected += stencil.weights[j] * (at(feature.first) - base);
-                if (feature.paired()) expected += stencil.weights[j] * (at(feature.second) - base);
+                if (j >= stencil.singles)
+                    expected += stencil.weights[j] * (at(feature.second) - base);
             }
             double second = base;
             for (std::size_t j = 0; j < stencil.ring_size; ++j)
@@ -389,6 +410,37 @@ TEST(RowForecast, SumsBaseAndFeatures) {
             EXPECT_NEAR(forecast.second[i], second, 1e-10);
         }
     }
+}
+
+/// A rule is trusted once it did better than what was learnt where it had held four times.
+TEST(InterpolationRules, TellsWhichRuleHolds) {
+    InterpolationRules::Scores scores = {};
+    InterpolationRules rules(5, scores);
+    const auto code_row = [&] {
+        std::vector<std::optional<std::size_t>> found;
+        rules.begin_row();
+        for (std::int64_t k = 0; k < 5; ++k) {
+            found.push_back(rules.find(k));
+            rules.learn(k, 100, {70, 100.5, 150}, 104);
+        }
+        return found;
+    };
+    const std::vector<std::optional<std::size_t>> none(5);
+    EXPECT_EQ(code_row(), none) << "nothing is known above the first row";
+    // Columns 0 and 4 have no neighbours to the west or east, column 1 is the first success.
+    const std::vector<std::optional<std::size_t>> second = {{}, {}, 1, 1, {}};
+    EXPECT_EQ(code_row(), second);
+    const std::vector<std::optional<std::size_t>> third = {{}, 1, 1, 1, {}};
+    EXPECT_EQ(code_row(), third);
+    // Each success: what was learnt is 8 halves off, beyond rounding 7; the rule is not.
+    EXPECT_EQ(scores[1], 6 * 7);
+
+    rules.begin_row();
+    for (std::int64_t k = 0; k < 5; ++k) {
+        (void)rules.find(k);
+        rules.skip(k);
+    }
+    EXPECT_EQ(code_row(), none) << "holes tell nothing";
 }
 
 TEST(DenseTables, FeaturesAreDecodedBeforeTheirSample) {

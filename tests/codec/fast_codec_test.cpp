@@ -1,6 +1,8 @@
+#include <fstream>
 #include <random>
 
 #include "codec/fast_bits.h"
+#include "codec/fast_terrain.h"
 #include "codec/fast_tokens.h"
 #include "codec/lattice_fill.h"
 #include "codec/lattice_level.h"
@@ -439,6 +441,19 @@ TEST(FastCodec, TinyLevelsPayLittleForTables) {
     EXPECT_GT(encoded.chunks[0].size(), 0U);
     EXPECT_LE(encoded.chunks[0].size(), 24U);
     expect_round_trip(s);
+}
+
+/// The weights to begin with are part of the format.
+TEST(FastCodec, FirstWeightsAreTheDocumentedOnes) {
+    std::ifstream file(std::string(RELIEF_TEST_DATA) + "/../../docs/fast-tokens.txt");
+    for (const fast::TokenWeights& weights : fast::kTerrain)
+        for (const std::uint8_t weight : weights) {
+            int documented = -1;
+            file >> documented;
+            EXPECT_EQ(documented, weight);
+        }
+    std::string more;
+    EXPECT_FALSE(file >> more);
 }
 
 }  // namespace

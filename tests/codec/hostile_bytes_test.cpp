@@ -1,8 +1,10 @@
 #include <array>
+#include <bit>
 #include <nlohmann/json.hpp>
 #include <random>
 
 #include "../fuzz/decoders.h"
+#include "../fuzz/lattice_decoders.h"
 #include "codec/levels.h"
 
 /// The fuzzers' functions on a small corpus and its mutations, so that every test run covers them.
@@ -62,6 +64,76 @@ TEST(HostileBytes, Masks) {
     seed.insert(seed.end(), coded.begin(), coded.end());
     run_mutations(seed, [](const Bytes& bytes) { fuzz::mask(bytes); });
     run_mutations(Bytes(300, 0xff), [](const Bytes& bytes) { fuzz::mask(bytes); });
+}
+
+void append_part(Bytes& bytes, const Bytes& part) {
+    bytes.push_back(static_cast<std::uint8_t>(part.size()));
+    bytes.push_back(static_cast<std::uint8_t>(part.size() >> 8));
+    bytes.insert(bytes.end(), part.begin(), part.end());
+}
+
+/// A shape and its levels as an encoder writes them.
+Bytes coded_levels(const Bytes& shape_bytes) {
+    fuzz::Parts in(shape_bytes);
+    const fuzz::LevelShape shape(in);
+    const auto codec = shape.profile == Profile::Dense ? make_dense_codec() : make_fast_codec();
+    Bytes seed = shape_bytes;
+    LatticeLevel level = shape.coarse();
+    while (level.level > 0) {
+        LatticeLevel next = shape.below(level);
+        Grid<std::int32_t> source(next.rows(), next.cols());
+        for (std::int64_t r = 0; r < next.rows(); ++r)
+            for (std::int64_t c = 0; c < next.cols(); ++c)
+                source(r, c) = static_cast<std::int32_t>(40 * (r % 7) + c + shape.noise(c, r) % 9);
+        Bytes coded;
+        codec->encode(next, source.view(), coded);
+        append_part(seed, coded);
+        fill_edge_margins(next);
+        level = std::move(next);
+    }
+    return seed;
+}
+
+TEST(HostileBytes, Levels) {
+    for (const int profile : {0, 1})
+        for (const int holes : {0, 60}) {
+            // All borders; 23 x 18 samples, three levels, step 3, samples below 512.
+            const Bytes shape = {static_cast<std::uint8_t>(30 + profile), 22, 17, 2, 4, 9,
+                                 static_cast<std::uint8_t>(holes),        5};
+            run_mutations(
+                coded_levels(shape), [](const Bytes& bytes) { fuzz::lattice_level(bytes); }, 600);
+        }
+    run_mutations(
+        Bytes(300, 0xff), [](const Bytes& bytes) { fuzz::lattice_level(bytes); }, 600);
+}
+
+/// The chunks of a valid file of one tile, behind what fuzz::tile asks for.
+Bytes tile_seed(const Bytes& file) {
+    const ContainerReader reader = *ContainerReader::open(file);
+    const LatticeCoding coding = *read_header(reader.header())->lattice;
+    const IntegerDomain& domain = coding.domains[0];
+    Bytes seed = {
+        12,
+        17,
+        static_cast<std::uint8_t>(coding.profile == Profile::Dense),
+        static_cast<std::uint8_t>(coding.type),
+        static_cast<std::uint8_t>(domain.step - 1),
+        static_cast<std::uint8_t>(std::bit_width(static_cast<std::uint32_t>(domain.highest)))};
+    for (std::size_t k = 1; k < reader.chunks().size(); ++k) append_part(seed, *reader.chunk(k));
+    return seed;
+}
+
+TEST(HostileBytes, Tiles) {
+    int tiles = 0;
+    for (const Bytes& file : fuzz::valid_rasters()) {
+        if (!RasterFile::open(file)->closed_loop()) continue;
+        ++tiles;
+        run_mutations(
+            tile_seed(file), [](const Bytes& bytes) { fuzz::tile(bytes); }, 1000);
+    }
+    EXPECT_EQ(tiles, 4);
+    run_mutations(
+        Bytes(300, 1), [](const Bytes& bytes) { fuzz::tile(bytes); }, 1000);
 }
 
 TEST(HostileBytes, Containers) {

@@ -43,6 +43,11 @@ TEST(FvsGridFit, FrankeTable) {
         const auto [largest, rms] = errors_of(*grid, franke, 201);
         EXPECT_NEAR(largest / row.max, 1, 0.15) << row.level;
         EXPECT_NEAR(rms / row.rms, 1, 0.1) << row.level;
+        // Interpolation with exact derivatives on the same cells is worse.
+        const auto [hermite_max, hermite_rms] =
+            errors_of(hermite_grid(128 >> row.level, franke), franke, 201);
+        EXPECT_GE(hermite_max, 2 * largest);
+        EXPECT_GE(hermite_rms, 2 * rms);
     }
 }
 
@@ -58,7 +63,8 @@ TEST(FvsGridFit, ReproducesItsSpace) {
     const auto fitted = std::move(spline::FvsSurface<double>::create(clone(*grid))).value();
     Grid<double> back(values.rows(), values.cols());
     fitted.evaluate_grid(0, 0.25, 0, 0.25, back.view());
-    EXPECT_LE(test::largest_difference(back, values), 1e-6);  // half of the last column hardly counts
+    EXPECT_LE(test::largest_difference(back, values),
+              1e-6);  // half of the last column hardly counts
 }
 
 /// A hole does not change the fit far away and is filled smoothly: with a plane by that plane.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -81,6 +82,8 @@ class ContainerReader {
     [[nodiscard]] std::uint64_t complete_size() const;
     /// Bytes that are there to be read.
     [[nodiscard]] std::uint64_t visible_size() const { return visible_; }
+    /// Bytes that were read from the source so far, the head included.
+    [[nodiscard]] std::uint64_t bytes_read() const { return *read_; }
     /// All bytes of chunk k are at hand. Chunks stand in order, so are those before it.
     [[nodiscard]] bool complete(std::size_t k) const;
     /// How many chunks are complete.
@@ -98,6 +101,9 @@ class ContainerReader {
     std::uint64_t head_size_ = 0;
     std::string header_;
     std::vector<ChunkInfo> directory_;
+    /// Shared, because readers move and count in const functions.
+    std::shared_ptr<std::atomic<std::uint64_t>> read_ =
+        std::make_shared<std::atomic<std::uint64_t>>(0);
 };
 
 }  // namespace relief::codec

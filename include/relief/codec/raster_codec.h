@@ -131,6 +131,8 @@ class RasterFile {
     /// The bands of the control coefficients of all levels. Files of the closed loop have those of
     /// scheme `cubic`: their control coefficients are samples.
     [[nodiscard]] const multires::PyramidLayout& layout() const;
+    /// Some samples are not valid.
+    [[nodiscard]] bool has_holes() const;
     /// Made by the closed loop, in tiles that are decoded on demand.
     [[nodiscard]] bool closed_loop() const;
     /// Of a closed-loop file: "fast" or "dense"; else empty.
@@ -155,6 +157,8 @@ class RasterFile {
     /// Verified error, at all samples of the original raster, of the surface that the file gives
     /// when nothing finer than `level` is read; none if edited or unknown.
     [[nodiscard]] std::optional<double> surface_bound(int level) const;
+    /// Bytes of the file that were read so far. Coarse tiles are kept, others read again.
+    [[nodiscard]] std::uint64_t bytes_read() const;
     /// How many first bytes of the file decoding `level` needs.
     [[nodiscard]] std::uint64_t bytes_for(int level) const;
 

@@ -14,7 +14,7 @@ namespace relief::codec {
 class RasterSurface {
   public:
     /// The window takes part with its border. Errors: InvalidArgument for a level or window that
-    /// the file does not have; BadFile.
+    /// the file does not have; BadFile, also for damage.
     [[nodiscard]] static Result<RasterSurface> create(const RasterFile& file, int level,
                                                       const LatticeBox& window);
 

@@ -1,0 +1,6 @@
+#include "lattice_decoders.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    relief::codec::fuzz::lattice_level({data, size});
+    return 0;
+}
