@@ -156,8 +156,8 @@ Result<EncodedRaster> encode_open(const RasterSource& source, const SchemeSpec& 
 Result<std::optional<EncodedRaster>> encode_looser(const RasterSource& source,
                                                    const EncodeOptions& options,
                                                    const EncodeReport& closed) {
-    if (options.goal.kind != Kind::MaxError || closed.bits_per_sample > kOpenLoopBits ||
-        closed.samples > kOpenLoopSamples)
+    if (options.goal.kind != Kind::MaxError || closed.max_error == 0 ||
+        closed.bits_per_sample > kOpenLoopBits || closed.samples > kOpenLoopSamples)
         return std::optional<EncodedRaster>();
     EncodeOptions quiet = options;
     if (options.progress) quiet.progress = [&](double) { return options.progress(1); };
