@@ -151,13 +151,13 @@ Result<EncodedRaster> encode_open(const RasterSource& source, const SchemeSpec& 
     return encode_pyramid(whole, spec, options);
 }
 
-/// The open loop where it may be smaller than a closed-loop file: at loose bounds; none if the
-/// raster is too large for its memory, or it turns out larger.
+/// The open loop where it may be smaller than a closed-loop file: at loose bounds; none if that
+/// file is exact, the raster too large for the memory of the open loop, or its file larger.
 Result<std::optional<EncodedRaster>> encode_looser(const RasterSource& source,
                                                    const EncodeOptions& options,
                                                    const EncodeReport& closed) {
-    if (options.goal.kind != Kind::MaxError || closed.bits_per_sample > kOpenLoopBits ||
-        closed.samples > kOpenLoopSamples)
+    if (options.goal.kind != Kind::MaxError || closed.max_error == 0 ||
+        closed.bits_per_sample > kOpenLoopBits || closed.samples > kOpenLoopSamples)
         return std::optional<EncodedRaster>();
     EncodeOptions quiet = options;
     if (options.progress) quiet.progress = [&](double) { return options.progress(1); };
