@@ -21,7 +21,7 @@ using multires::SchemeSpec;
 /// Where the open loop may keep a bound with fewer bytes, and has the memory: bits a sample, and
 /// samples.
 constexpr double kOpenLoopBits = 1;
-constexpr std::int64_t kOpenLoopSamples = std::int64_t{1} << 24;
+constexpr std::int64_t kOpenLoopSamples = std::int64_t{1} << 23;
 constexpr std::size_t kCopyBlock = std::size_t{1} << 20;
 
 Status check(const RasterSource& source, const Goal& goal) {
