@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "relief/codec/band_coder.h"
+#include "codec/embedded_coder.h"
 #include "relief/codec/raster_codec.h"
 #include "transform_bench.h"
 
@@ -17,7 +17,7 @@ constexpr std::int64_t kSide = 256;
 /// Laplacian values whose scale changes smoothly from place to place, as details of terrain do.
 struct LaplacianLevel {
     std::vector<Grid<std::int32_t>> grids;
-    std::vector<BandView> bands;
+    std::vector<StreamBand> bands;
 
     explicit LaplacianLevel(double scale) {
         std::mt19937 engine(1);
@@ -33,7 +33,7 @@ struct LaplacianLevel {
                     grid(r, c) =
                         static_cast<std::int32_t>(std::copysign(std::floor(size + 0.4), u));
                 }
-            bands.push_back({{0, 0, kSide, kSide}, grid.view(), false});
+            bands.push_back({1, k + 1, {0, 0, kSide, kSide}, grid.view()});
         }
     }
 };
@@ -49,16 +49,17 @@ void report(benchmark::State& state, std::size_t bytes) {
 void encode_bands(benchmark::State& state) {
     const LaplacianLevel level(static_cast<double>(state.range(0)) / 1000);
     std::size_t bytes = 0;
-    for (auto _ : state) bytes = encode_level(level.bands, {}).size();
+    for (auto _ : state) bytes = encode_stream(level.bands, {})->bytes.size();
     report(state, bytes);
 }
 
 void decode_bands(benchmark::State& state) {
     LaplacianLevel level(static_cast<double>(state.range(0)) / 1000);
-    const std::vector<std::uint8_t> bytes = encode_level(level.bands, {});
+    const EmbeddedStream stream = *encode_stream(level.bands, {});
+    const StreamPart whole{stream.bytes, stream.planes, 3 * stream.planes};
     for (auto _ : state)
-        if (!decode_level(bytes, level.bands, {}).ok()) state.SkipWithError("does not decode");
-    report(state, bytes.size());
+        if (!decode_stream(whole, level.bands, {}).ok()) state.SkipWithError("does not decode");
+    report(state, stream.bytes.size());
 }
 
 /// Hills of many sizes.

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "codec/embedded_coder.h"
 #include "codec/raster_header.h"
-#include "relief/codec/band_coder.h"
 #include "relief/codec/container.h"
 #include "relief/codec/mask_coder.h"
 #include "relief/codec/raster_codec.h"
@@ -39,10 +39,11 @@ inline void container(std::span<const std::uint8_t> bytes) {
     }
 }
 
-/// Bands whose boxes come from the first bytes: a count, then five bytes for each box and its flag.
+/// Bands of one level whose boxes come from the first bytes: a count, then five bytes for each box
+/// and its channel.
 struct Level {
     std::vector<Grid<std::int32_t>> grids;
-    std::vector<BandView> bands;
+    std::vector<StreamBand> bands;
 
     static Level from(std::span<const std::uint8_t>& bytes) {
         Level level;
@@ -53,7 +54,7 @@ struct Level {
             const LatticeBox box{static_cast<std::int8_t>(b[0]), static_cast<std::int8_t>(b[1]),
                                  b[2] % 80, b[3] % 80};
             level.grids.emplace_back(box.rows, box.cols, 0);
-            level.bands.push_back({box, level.grids.back().view(), b[4] % 2 != 0});
+            level.bands.push_back({1, b[4] % 5, box, level.grids.back().view()});
         }
         bytes = bytes.subspan(1 + 5 * count);
         return level;
@@ -68,23 +69,25 @@ struct Level {
     }
 };
 
-inline void bands(std::span<const std::uint8_t> bytes) {
+/// Bands, numbers of planes and of passes, and the bytes of a stream.
+inline void stream(std::span<const std::uint8_t> bytes) {
     const std::span<const std::uint8_t> shape = bytes;
     Level level = Level::from(bytes);
-    const Level parents = [&] {
-        std::span<const std::uint8_t> again = shape;
-        Level same = Level::from(again);
-        for (Grid<std::int32_t>& grid : same.grids)
-            for (std::int64_t r = 0; r < grid.rows(); ++r)
-                for (std::int64_t c = 0; c < grid.cols(); ++c)
-                    grid(r, c) = static_cast<std::int32_t>((r * c) % 3);
-        return same;
-    }();
-    if (!decode_level(bytes, level.bands, parents.bands).ok()) return;
-    const Bytes coded = encode_level(level.bands, parents.bands);
+    if (bytes.size() < 2) return;
+    const int planes = bytes[0] % 33;
+    const int passes = bytes[1] % 97;
+    bytes = bytes.subspan(2);
+    std::vector<ParentBand> parents;
+    const Grid<std::int32_t> above(9, 11, 5);
+    for (int channel = 0; channel < 3; ++channel)
+        parents.push_back({2, channel, {-1, -2, 9, 11}, above.view()});
+    if (!decode_stream({bytes, planes, passes}, level.bands, parents).ok()) return;
+    const auto coded = encode_stream(level.bands, parents);
+    require(coded.ok() && coded->planes <= planes);
     std::span<const std::uint8_t> again = shape;
     Level decoded = Level::from(again);
-    require(decode_level(coded, decoded.bands, parents.bands).ok());
+    const StreamPart whole{coded->bytes, coded->planes, 3 * coded->planes};
+    require(decode_stream(whole, decoded.bands, parents).ok());
     require(decoded == level);
 }
 

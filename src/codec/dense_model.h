@@ -6,10 +6,10 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "codec/band_plane.h"
 #include "codec/dense_mixing.h"
 #include "codec/dense_tables.h"
-#include "codec/level_model.h"
+#include "codec/log_class.h"
+#include "codec/magnitude.h"
 
 namespace relief::codec::dense {
 

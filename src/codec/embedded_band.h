@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "codec/band_plane.h"
 #include "codec/embedded_coder.h"
+#include "codec/magnitude.h"
 
 namespace relief::codec {
 

@@ -10,7 +10,7 @@
 
 #include "codec/embedded_band.h"
 #include "codec/embedded_model.h"
-#include "codec/level_model.h"
+#include "codec/log_class.h"
 #include "codec/range_coder.h"
 
 namespace relief::codec {

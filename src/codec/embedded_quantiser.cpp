@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "codec/band_plane.h"
+#include "codec/magnitude.h"
 #include "relief/core/parallel.h"
 
 namespace relief::codec {

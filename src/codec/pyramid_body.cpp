@@ -215,15 +215,14 @@ class PyramidBody final : public RasterBody {
     [[nodiscard]] double bound_of(int level, std::size_t fewest, std::size_t most) const {
         constexpr double unknown = std::numeric_limits<double>::infinity();
         const std::vector<double>& bounds = header_.pyramid.bounds;
-        if (fewest == layers_) {
-            if (corrected(level))
-                return header_.goal.kind == Goal::Kind::MaxError ? header_.goal.value
-                                                                 : header_.max_error;
-            if (level > 0) {
-                const auto k = static_cast<std::size_t>(level - 1);
-                return k < bounds.size() ? bounds[k] : unknown;
-            }
+        if (fewest == layers_ && level > 0) {
+            const auto k = static_cast<std::size_t>(level - 1);
+            return k < bounds.size() ? bounds[k] : unknown;
         }
+        const bool whole = corrected(0) || container_.chunks()[correction_chunk()].length == 0;
+        if (fewest == layers_ && whole)
+            return header_.goal.kind == Goal::Kind::MaxError ? header_.goal.value
+                                                             : header_.max_error;
         if (level > 0 || fewest != most || fewest == 0) return unknown;
         return container_.chunks()[blocks_.chunk(fewest, 0) - 1].bound;
     }

@@ -11,6 +11,7 @@
 #include "codec/pyramid_encode.h"
 #include "codec/quantised_refit.h"
 #include "codec/raster_header.h"
+#include "codec/surface_error.h"
 #include "relief/codec/container.h"
 #include "relief/codec/fill.h"
 #include "relief/codec/mask_coder.h"
@@ -30,60 +31,6 @@ constexpr double kLargestSample = 1e45;
 constexpr double kLargestStep = 1e99;
 /// Bounds below so many of a float type's steps may cost more than exactness.
 constexpr double kNearlyExact = 64;
-
-struct Error2 {
-    double max = 0;
-    double square = 0;
-    [[nodiscard]] double rms(std::int64_t samples) const {
-        return std::sqrt(square / static_cast<double>(samples));
-    }
-};
-
-/// Errors of a surface at the valid samples, after rounding to the sample type. Same result for any
-/// thread count.
-Error2 surface_error(const Raster& raster, const Planes<double>& surface) {
-    std::vector<Error2> rows(static_cast<std::size_t>(raster.rows));
-    parallel_for(0, raster.rows, 32, [&](std::int64_t first, std::int64_t last) {
-        std::vector<double> stored(static_cast<std::size_t>(raster.cols));
-        for (std::int64_t r = first; r < last; ++r) {
-            Error2 row;
-            const std::uint8_t* valid = raster.mask.empty() ? nullptr : raster.mask.row(r);
-            for (std::size_t p = 0; p < surface.size(); ++p) {
-                stored_row(surface[p].row(r), raster.cols, raster.type, raster.nodata,
-                           stored.data());
-                const double* wanted = raster.planes[p].row(r);
-                for (std::int64_t c = 0; c < raster.cols; ++c) {
-                    if (valid && !valid[c]) continue;
-                    const double error = std::abs(stored[static_cast<std::size_t>(c)] - wanted[c]);
-                    row.max = std::max(row.max, error);
-                    row.square += error * error;
-                }
-            }
-            rows[static_cast<std::size_t>(r)] = row;
-        }
-    });
-    Error2 all;
-    for (const Error2& row : rows) {
-        all.max = std::max(all.max, row.max);
-        all.square += row.square;
-    }
-    return all;
-}
-
-/// Largest error of the raster of a level, which has every 2^level-th sample.
-double largest_error_of_level(const Raster& raster, const Planes<double>& planes, int level) {
-    const std::int64_t step = std::int64_t{1} << level;
-    double largest = 0;
-    for (std::size_t p = 0; p < planes.size(); ++p)
-        for (std::int64_t r = 0; r < planes[p].rows(); ++r)
-            for (std::int64_t c = 0; c < planes[p].cols(); ++c) {
-                if (!raster.valid(r * step, c * step)) continue;
-                const double stored = stored_value(planes[p](r, c), raster.type, raster.nodata);
-                largest =
-                    std::max(largest, std::abs(stored - raster.planes[p](r * step, c * step)));
-            }
-    return largest;
-}
 
 /// x to so many decimal digits: short in a header.
 double rounded(double x, int digits) {
@@ -114,7 +61,7 @@ struct Candidate {
     PyramidCoding coding;
     QuantisedPyramid quantised;
     Planes<double> surface;
-    Error2 error;
+    SurfaceError error;
     std::optional<Corrections> corrections;
     std::vector<Bytes> chunks;
     Bytes correction;
@@ -202,7 +149,6 @@ class Encoder {
         return search_bounded(0);
     }
 
-
     Planes<double> surface_of(const Candidate& candidate, int plane = 0, int finest_level = 0) {
         reconstruct(candidate.quantised, candidate.coding, plane, finest_level, scratch_);
         return multires::synthesise(scratch_);
@@ -272,7 +218,6 @@ class Encoder {
         const auto file = assemble(candidate, {}, candidate.error);
         return file.ok() ? file->size() : std::numeric_limits<std::uint64_t>::max();
     }
-
 
     Result<Candidate> keep() {
         const double share = options_.goal.value / 100;
@@ -448,11 +393,10 @@ class Encoder {
         return std::max(largest * epsilon, 1e-290);
     }
 
-
     /// The file of a candidate whose chunks are coded.
     /// layer_errors: largest ones, one for each layer; none if they are not known yet.
     Result<Bytes> assemble(const Candidate& candidate, const std::vector<double>& layer_errors,
-                           const Error2& final_error) const {
+                           const SurfaceError& final_error) const {
         RasterHeader header;
         header.description = description_of(raster_);
         header.components = static_cast<int>(raster_.planes.size());
@@ -507,7 +451,7 @@ class Encoder {
     Result<EncodedRaster> finish(Candidate best) {
         const std::vector<double> layer_errors = errors_by_layer(best);
         best.coding.bounds = errors_by_level(best);
-        Error2 final_error = best.error;
+        SurfaceError final_error = best.error;
         if (best.corrections) {
             apply_corrections(*best.corrections, raster_.type, raster_.nodata,
                               {0, 0, raster_.rows, raster_.cols}, best.surface);
@@ -554,10 +498,10 @@ class Encoder {
     }
 
     /// What was written is decoded and compared: the bound is of the file, not of an intention.
-    Status verify(const Bytes& bytes, const Error2& expected) {
+    Status verify(const Bytes& bytes, const SurfaceError& expected) {
         RELIEF_TRY(const RasterFile file, RasterFile::open(bytes));
         RELIEF_TRY(const Raster decoded, file.decode(0));
-        const Error2 found = surface_error(raster_, decoded.planes);
+        const SurfaceError found = surface_error(raster_, decoded.planes);
         const bool over = options_.goal.kind == Kind::MaxError && found.max > options_.goal.value;
         if (found.max == expected.max && found.square == expected.square && !over) return {};
         return Error{ErrorCode::BadFile,

@@ -21,7 +21,7 @@ using multires::SchemeSpec;
 /// Where the open loop may keep a bound with fewer bytes, and has the memory: bits a sample, and
 /// samples.
 constexpr double kOpenLoopBits = 1;
-constexpr std::int64_t kOpenLoopSamples = std::int64_t{1} << 24;
+constexpr std::int64_t kOpenLoopSamples = std::int64_t{1} << 23;
 constexpr std::size_t kCopyBlock = std::size_t{1} << 20;
 
 Status check(const RasterSource& source, const Goal& goal) {
@@ -151,8 +151,8 @@ Result<EncodedRaster> encode_open(const RasterSource& source, const SchemeSpec& 
     return encode_pyramid(whole, spec, options);
 }
 
-/// The open loop where it may be smaller than a closed-loop file: at loose bounds; none if the
-/// raster is too large for its memory, or it turns out larger.
+/// The open loop where it may be smaller than a closed-loop file: at loose bounds; none if that
+/// file is exact, the raster too large for the memory of the open loop, or its file larger.
 Result<std::optional<EncodedRaster>> encode_looser(const RasterSource& source,
                                                    const EncodeOptions& options,
                                                    const EncodeReport& closed) {

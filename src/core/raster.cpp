@@ -50,7 +50,8 @@ double stored_float(double value, std::optional<double> nodata) {
 }
 
 double stored_integer(double value, double low, double high, std::optional<double> nodata) {
-    const double rounded = std::nearbyint(std::clamp(value, low, high));
+    // Integers have no negative zero.
+    const double rounded = std::nearbyint(std::clamp(value, low, high)) + 0.0;
     if (!nodata || rounded != *nodata) return rounded;
     const bool upwards = rounded < high && (value >= rounded || rounded == low);
     return upwards ? rounded + 1 : rounded - 1;

@@ -4,8 +4,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "codec/band_plane.h"
 #include "codec/levels.h"
+#include "codec/magnitude.h"
 #include "relief/core/simd.h"
 
 namespace relief::codec {

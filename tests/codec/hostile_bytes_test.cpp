@@ -38,16 +38,21 @@ void run_mutations(const Bytes& seed, Target target, int count = 3000) {
     }
 }
 
-TEST(HostileBytes, Bands) {
-    Bytes seed = {2, 0xfe, 3, 30, 41, 1, 5, 0xf7, 50, 33, 0};
+TEST(HostileBytes, Streams) {
+    Bytes seed = {2, 0xfe, 3, 30, 41, 1, 0, 3, 50, 33, 2};
     std::span<const std::uint8_t> shape(seed);
     fuzz::Level level = fuzz::Level::from(shape);
     GeometricSource source(0.7, 6);
     for (Grid<std::int32_t>& grid : level.grids) fill(grid, source);
-    const Bytes coded = encode_level(level.bands, {});
-    seed.insert(seed.end(), coded.begin(), coded.end());
-    run_mutations(seed, [](const Bytes& bytes) { fuzz::bands(bytes); });
-    run_mutations(Bytes(40, 0xff), [](const Bytes& bytes) { fuzz::bands(bytes); });
+    const auto coded = encode_stream(level.bands, {});
+    ASSERT_TRUE(coded.ok());
+    seed.push_back(static_cast<std::uint8_t>(coded->planes));
+    seed.push_back(static_cast<std::uint8_t>(3 * coded->planes));
+    seed.insert(seed.end(), coded->bytes.begin(), coded->bytes.end());
+    run_mutations(
+        seed, [](const Bytes& bytes) { fuzz::stream(bytes); }, 1000);
+    run_mutations(
+        Bytes(40, 0xff), [](const Bytes& bytes) { fuzz::stream(bytes); }, 1000);
 }
 
 TEST(HostileBytes, Masks) {

@@ -4,44 +4,10 @@
 #include <cstdint>
 #include <cstdlib>
 #include <random>
-#include <vector>
 
-#include "relief/codec/band_coder.h"
+#include "relief/core/grid.h"
 
 namespace relief::codec {
-
-/// The bands of a level with their values.
-struct Level {
-    std::vector<Grid<std::int32_t>> grids;
-    std::vector<BandView> bands;
-
-    /// A band of zeros; returns its values.
-    Grid<std::int32_t>& add(const LatticeBox& box, bool predict = false) {
-        Grid<std::int32_t>& grid = grids.emplace_back(box.rows, box.cols, 0);
-        bands.push_back({box, grid.view(), predict});
-        return grid;
-    }
-
-    /// The same boxes, filled with something else.
-    [[nodiscard]] Level blank() const {
-        Level other;
-        for (const BandView& band : bands) {
-            Grid<std::int32_t>& grid = other.add(band.box, band.predict);
-            for (std::int64_t r = 0; r < grid.rows(); ++r)
-                std::fill_n(grid.row(r), grid.cols(), -12345);
-        }
-        return other;
-    }
-
-    friend bool operator==(const Level& a, const Level& b) {
-        for (std::size_t k = 0; k < a.grids.size(); ++k)
-            for (std::int64_t r = 0; r < a.grids[k].rows(); ++r)
-                if (!std::equal(a.grids[k].row(r), a.grids[k].row(r) + a.grids[k].cols(),
-                                b.grids[k].row(r)))
-                    return false;
-        return true;
-    }
-};
 
 template <class Draw>
 void fill(Grid<std::int32_t>& grid, Draw draw) {

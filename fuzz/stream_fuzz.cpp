@@ -1,6 +1,6 @@
 #include "decoders.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    relief::codec::fuzz::bands({data, size});
+    relief::codec::fuzz::stream({data, size});
     return 0;
 }
