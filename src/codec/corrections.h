@@ -5,14 +5,14 @@
 #include <vector>
 
 #include "relief/core/raster.h"
+#include "relief/core/stream.h"
 #include "relief/multires/pyramid.h"
 
 /// The layer that turns a close surface into one within a bound, or into the exact samples.
 namespace relief::codec {
 
 /// A sample becomes stored(base + k * step), or, in ordered mode, the float that lies k places
-/// above the stored base; base is the surface, for integer types rounded first. k is written in
-/// balanced digits of 22 bits, lowest first.
+/// above the stored base; base is the surface, for integer types rounded first.
 struct Corrections {
     struct Repair {
         std::uint8_t component = 0;
@@ -22,8 +22,7 @@ struct Corrections {
 
     bool ordered = false;
     double step = 1;
-    int digits = 1;
-    std::vector<Grid<std::int32_t>> planes;  ///< component * digits + digit
+    std::vector<Grid<std::int64_t>> planes;  ///< k, for each component
     std::vector<Repair> repairs;             ///< samples that no k brings within the bound
     std::int64_t corrected = 0;              ///< samples with a k that is not zero, or a repair
 };
@@ -33,11 +32,13 @@ struct Corrections {
 [[nodiscard]] Corrections make_corrections(const Raster& original,
                                            const multires::Planes<double>& surface, double bound);
 
-/// Applies them: corrected samples take their final value, others keep the unrounded surface.
+/// Applies them to a window of the raster: corrected samples take their final value, others keep
+/// the unrounded surface.
 void apply_corrections(const Corrections& corrections, SampleType type,
-                       std::optional<double> nodata, multires::Planes<double>& surface);
+                       std::optional<double> nodata, const LatticeBox& window,
+                       multires::Planes<double>& surface);
 
-[[nodiscard]] std::vector<std::uint8_t> write_corrections(const Corrections& corrections);
+[[nodiscard]] Bytes write_corrections(const Corrections& corrections);
 
 /// Errors: BadFile.
 [[nodiscard]] Result<Corrections> read_corrections(std::span<const std::uint8_t> bytes,

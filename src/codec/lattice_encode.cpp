@@ -1,7 +1,9 @@
 #include "codec/lattice_encode.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <string>
 
@@ -28,17 +30,26 @@ std::uint64_t size_of(const EncodedTile& tile) {
     return size;
 }
 
+/// The mask of a part of a strip; empty if it has no hole.
+Grid<std::uint8_t> cut_mask(const Raster& strip, const LatticeBox& box, std::int64_t stride) {
+    if (strip.mask.empty()) return {};
+    Grid<std::uint8_t> valid(box.rows, box.cols);
+    bool holes = false;
+    for (std::int64_t r = 0; r < box.rows; ++r) {
+        const std::uint8_t* from = strip.mask.row((box.row0 + r) * stride) + box.col0 * stride;
+        for (std::int64_t c = 0; c < box.cols; ++c) {
+            valid(r, c) = from[c * stride] != 0;
+            holes |= from[c * stride] == 0;
+        }
+    }
+    return holes ? std::move(valid) : Grid<std::uint8_t>();
+}
+
 /// A part of a strip of samples as integers.
 TileSamples cut(const LatticeCoding& coding, const Raster& strip, const LatticeBox& box,
                 std::int64_t stride) {
     TileSamples samples;
-    if (!strip.mask.empty()) {
-        samples.valid = Grid<std::uint8_t>(box.rows, box.cols);
-        for (std::int64_t r = 0; r < box.rows; ++r)
-            for (std::int64_t c = 0; c < box.cols; ++c)
-                samples.valid(r, c) =
-                    strip.mask((box.row0 + r) * stride, (box.col0 + c) * stride) != 0;
-    }
+    samples.valid = cut_mask(strip, box, stride);
     for (std::size_t p = 0; p < coding.domains.size(); ++p) {
         const IntegerDomain& domain = coding.domains[p];
         Grid<double> originals(box.rows, box.cols);
@@ -46,12 +57,8 @@ TileSamples cut(const LatticeCoding& coding, const Raster& strip, const LatticeB
         for (std::int64_t r = 0; r < box.rows; ++r) {
             const double* from = strip.planes[p].row((box.row0 + r) * stride) + box.col0 * stride;
             double* original = originals.row(r);
-            std::int32_t* value = values.row(r);
-            const std::uint8_t* valid = samples.valid.empty() ? nullptr : samples.valid.row(r);
-            for (std::int64_t c = 0; c < box.cols; ++c) {
-                original[c] = from[c * stride];
-                value[c] = valid && !valid[c] ? 0 : domain.integer(original[c]);
-            }
+            for (std::int64_t c = 0; c < box.cols; ++c) original[c] = from[c * stride];
+            domain.integers(original, box.cols, values.row(r));
         }
         samples.originals.push_back(std::move(originals));
         samples.values.push_back(std::move(values));
@@ -117,10 +124,11 @@ class Encoder {
     }
 
     Result<EncodedTile> encode(const LatticeCoding& coding, const CoarseTiers& coarse, int tier,
-                               std::int64_t tile, const TileSamples& samples) const {
-        return encode_tile(coding, tree_, tier, tile, samples, start(coding, coarse, tier, tile),
-                           start(coding, coarse, tier, tile), options_.bound,
-                           tier == 0 && options_.measure_coarse);
+                               std::int64_t tile, const TileSamples& samples, TileCare care) const {
+        return encode_tile(
+            coding, tree_, tier, tile, samples, start(coding, coarse, tier, tile),
+            care == TileCare::Trial ? TileState() : start(coding, coarse, tier, tile),
+            options_.bound, care);
     }
 
     Result<CoarseTiers> encode_coarse(const LatticeCoding& coding) const {
@@ -150,7 +158,8 @@ class Encoder {
         const LatticeBox box = tree_.box(k, number);
         const std::int64_t stride = std::int64_t{1} << (TileTree::kTierLevels * (k - 1));
         const TileSamples samples = cut(coding, survey_.coarse, box, stride);
-        RELIEF_TRY(EncodedTile tile, encode(coding, coarse, k, number, samples));
+        RELIEF_TRY(EncodedTile tile,
+                   encode(coding, coarse, k, number, samples, TileCare::Verified));
         CoarseTiers::Tier& tier = coarse.tiers[static_cast<std::size_t>(k - 1)];
         for (std::size_t c = 0; c < tier.values.size(); ++c)
             for (std::int64_t r = 0; r < box.rows; ++r)
@@ -193,12 +202,14 @@ class Encoder {
             }
             count += valid * static_cast<std::int64_t>(coding.domains.size());
         }
-        RELIEF_TRY(const double plain, trial_size(coding, coarse_, samples, trials, tiles));
-        if (count == 0 || plain * 8 >= kLooseBits * static_cast<double>(count)) return {};
+        const double tight = kLooseBits / 8 * static_cast<double>(count);
+        RELIEF_TRY(const double plain, trial_size(coding, coarse_, samples, tiles, tight));
+        if (plain >= tight) return {};
         LatticeCoding tightened = coding;
         tightened.tightening = kTightening;
         RELIEF_TRY(CoarseTiers finer, encode_coarse(tightened));
-        RELIEF_TRY(double size, trial_size(tightened, finer, samples, trials, tiles));
+        RELIEF_TRY(double size, trial_size(tightened, finer, samples, tiles,
+                                           std::numeric_limits<double>::infinity()));
         // Coarse tiers weigh as much as they do in the whole file.
         const double share = static_cast<double>(trials) / static_cast<double>(tiles);
         size += share * static_cast<double>(finer.size);
@@ -212,25 +223,25 @@ class Encoder {
         return (2 * k + 1) * tiles / (2 * trials);
     }
 
+    /// The size of the trial tiles; where it reaches `enough`, perhaps of some of them only.
     Result<double> trial_size(const LatticeCoding& coding, const CoarseTiers& coarse,
-                              const std::vector<TileSamples>& samples, std::int64_t trials,
-                              std::int64_t tiles) const {
+                              const std::vector<TileSamples>& samples, std::int64_t tiles,
+                              double enough) const {
+        const auto trials = static_cast<std::int64_t>(samples.size());
         std::vector<Status> failed(samples.size());
-        std::vector<std::uint64_t> sizes(samples.size());
+        std::atomic<std::uint64_t> size = 0;
         parallel_for(0, trials, 1, [&](std::int64_t k, std::int64_t) {
+            if (static_cast<double>(size) >= enough) return;
             const auto at = static_cast<std::size_t>(k);
-            auto tile = encode(coding, coarse, 0, trial_tile(k, trials, tiles), samples[at]);
+            auto tile = encode(coding, coarse, 0, trial_tile(k, trials, tiles), samples[at],
+                               TileCare::Trial);
             if (tile.ok())
-                sizes[at] = size_of(*tile);
+                size += size_of(*tile);
             else
                 failed[at] = tile.error();
         });
-        double size = 0;
-        for (std::size_t k = 0; k < samples.size(); ++k) {
-            RELIEF_CHECK(failed[k]);
-            size += static_cast<double>(sizes[k]);
-        }
-        return size;
+        for (const Status& status : failed) RELIEF_CHECK(status);
+        return static_cast<double>(size);
     }
 
     /// Rows of tiles, as many at a time as give every thread work.
@@ -263,7 +274,8 @@ class Encoder {
             LatticeBox box = tree_.box(0, first + k);
             box.row0 -= strip_box.row0;
             auto tile =
-                encode(result_.coding, coarse_, 0, first + k, cut(result_.coding, strip, box, 1));
+                encode(result_.coding, coarse_, 0, first + k, cut(result_.coding, strip, box, 1),
+                       options_.measure_coarse ? TileCare::Measured : TileCare::Verified);
             if (tile.ok())
                 tiles[static_cast<std::size_t>(k)] = *std::move(tile);
             else

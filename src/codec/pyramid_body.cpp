@@ -1,12 +1,13 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <mutex>
 
-#include "codec/bytes.h"
 #include "codec/corrections.h"
-#include "codec/level_chunks.h"
+#include "codec/pyramid_blocks.h"
 #include "codec/raster_body.h"
 #include "relief/codec/mask_coder.h"
-#include "relief/codec/quantise.h"
+#include "relief/multires/cubic_window.h"
 #include "relief/spline/lattice_filters.h"
 
 namespace relief::codec {
@@ -38,30 +39,34 @@ Grid<std::uint8_t> picked(const Grid<std::uint8_t>& mask, int shift, const Latti
     return part;
 }
 
-/// Open-loop files: a pyramid of coefficients, and corrections.
+Planes<double> cropped(Planes<double> planes, const LatticeBox& window) {
+    for (Grid<double>& plane : planes) {
+        if (window.rows == plane.rows() && window.cols == plane.cols()) continue;
+        Grid<double> part(window.rows, window.cols);
+        for (std::int64_t r = 0; r < window.rows; ++r)
+            std::copy_n(plane.row(window.row0 + r) + window.col0, window.cols, part.row(r));
+        plane = std::move(part);
+    }
+    return planes;
+}
+
+/// Open-loop files: streams of coefficients, and corrections.
 class PyramidBody final : public RasterBody {
   public:
     PyramidBody(const ContainerReader& container, const RasterHeader& header,
                 const PyramidLayout& layout)
-        : container_(container), header_(header), layout_(layout) {}
+        : container_(container),
+          header_(header),
+          layout_(layout),
+          layers_(header.pyramid.layers.size()),
+          blocks_(container, layout, header.pyramid, kMaskChunk + 1) {}
 
     Status open() {
-        if (container_.chunks().size() != correction_chunk() + 1)
-            return Error{ErrorCode::BadFile,
-                         "has not the chunks that its levels call for; the file is damaged",
-                         "directory"};
-        const auto present = [&](std::size_t k) { return container_.chunks()[k].length > 0; };
-        for (int number = 0; number <= layout_.levels(); ++number)
-            if (!present(level_chunk(number)))
-                return Error{ErrorCode::BadFile, "lacks a level; the file is damaged", "directory"};
-        if (!header_.has_mask && present(kMaskChunk))
+        if (!header_.has_mask && container_.chunks()[kMaskChunk].length > 0)
             return Error{ErrorCode::BadFile,
                          "does not agree with its header about a mask; the file is damaged",
                          "directory"};
-        while (complete_levels_ <= layout_.levels() &&
-               container_.complete(level_chunk(complete_levels_)))
-            ++complete_levels_;
-        if (complete_levels_ == 0)
+        if (!container_.complete(blocks_.chunk(0, 0)))
             return Error{
                 ErrorCode::BadFile,
                 "not even the coarsest level is inside the bytes given; give more of the file", ""};
@@ -71,60 +76,45 @@ class PyramidBody final : public RasterBody {
         return decode_mask(data, mask_.view());
     }
 
+    /// How many chunks a file has. Complexity: O(levels).
+    [[nodiscard]] static std::uint64_t chunk_count(const RasterHeader& header,
+                                                   const PyramidLayout& layout) {
+        return kMaskChunk + 2 + header.pyramid.layers.size() * StreamLayout::count(layout);
+    }
+
     Result<BodySamples> samples(int level, const LatticeBox& window) const override {
-        RELIEF_TRY(Planes<double> planes, corrected_samples(level));
         BodySamples samples;
-        for (Grid<double>& plane : planes) {
-            if (window.rows != plane.rows() || window.cols != plane.cols()) {
-                Grid<double> part(window.rows, window.cols);
-                for (std::int64_t r = 0; r < window.rows; ++r)
-                    std::copy_n(plane.row(window.row0 + r) + window.col0, window.cols, part.row(r));
-                plane = std::move(part);
-            }
-            samples.planes.push_back(std::move(plane));
-        }
+        Known known;
+        RELIEF_TRY(samples.planes, surface(level, window, known));
+        if (corrected(level)) RELIEF_CHECK(correct(window, samples.planes));
         samples.mask = picked(mask_, level, window);
-        samples.bound = bound(level);
+        samples.bound = bound_of(level, known.fewest_layers, known.most_layers);
+        samples.damaged = std::move(known.damaged);
         return samples;
     }
 
-    Result<LevelCoefficients<double>> coefficients(int level, const LatticeBox&) const override {
-        return coefficients(level);
-    }
-
-    [[nodiscard]] Result<LevelCoefficients<double>> coefficients(int level) const {
-        RELIEF_TRY(Quantised quantised, read_bands(level));
-        // Bands that were not read stay empty until zeros are needed for them.
-        Pyramid<double> pyramid;
-        pyramid.layout = layout_;
-        pyramid.bands.resize(layout_.bands.size());
-        for (std::size_t k = 0; k < layout_.bands.size(); ++k) {
-            const multires::BandLayout& band = layout_.bands[k];
-            if (k > 0 && band.level <= level) continue;
-            const bool read = k < quantised.values.size() && !quantised.values[k].empty();
-            const double step = read ? static_cast<double>(quantised.steps[k]) : 0;
-            for (std::size_t c = 0; c < static_cast<std::size_t>(layout_.components); ++c) {
-                Grid<double> plane(band.box.rows, band.box.cols);
-                for (std::int64_t r = 0; r < band.box.rows; ++r)
-                    for (std::int64_t j = 0; j < band.box.cols; ++j)
-                        plane(r, j) = read ? quantised.values[k][c](r, j) * step : 0.0;
-                pyramid.bands[k].push_back(std::move(plane));
-            }
-            if (read) quantised.values[k].clear();
+    Result<LevelCoefficients<double>> coefficients(int level,
+                                                   const LatticeBox& part) const override {
+        Known known;
+        if (windowed()) {
+            RELIEF_TRY(Planes<double> planes, surface(level, part, known));
+            return LevelCoefficients<double>{part, std::move(planes)};
         }
-        return multires::coefficients(pyramid, level);
+        return whole(level, known);
     }
 
     Result<Planes<double>> control_net() const override {
+        Known known;
         if (!corrected(0)) {
-            RELIEF_TRY(LevelCoefficients<double> finest, coefficients(0));
+            RELIEF_TRY(LevelCoefficients<double> finest, whole(0, known));
             return std::move(finest.planes);
         }
-        RELIEF_TRY(Planes<double> net, corrected_samples(0));
+        const LatticeBox all{0, 0, layout_.rows, layout_.cols};
+        RELIEF_TRY(Planes<double> net, surface(0, all, known));
+        RELIEF_CHECK(correct(all, net));
         const multires::SchemeSpec& spec = layout_.spec;
-        const bool interpolates = !multires::samples_are_coefficients(spec);
+        if (multires::samples_are_coefficients(spec)) return net;
         for (Grid<double>& plane : net) {
-            if (!interpolates) break;
             Grid<double> solved(plane.rows(), plane.cols());
             RELIEF_CHECK(
                 spline::interpolate_lattice<double>(spec.order, plane.view(), solved.view()));
@@ -133,94 +123,174 @@ class PyramidBody final : public RasterBody {
         return net;
     }
 
-    int finest_level() const override { return layout_.levels() + 1 - complete_levels_; }
+    int finest_level() const override {
+        const auto& groups = blocks_.streams().groups();
+        int level = layout_.levels();
+        for (const StreamLayout::Group& group : groups) {
+            if (!container_.complete(blocks_.chunk(layers_ - 1, group.first + group.count - 1)))
+                break;
+            level = std::max(group.finest - 1, 0);
+        }
+        return level;
+    }
 
     double bound(int level) const override { return surface_bound(level); }
 
     double surface_bound(int level) const override {
-        if (corrected(level))
-            return header_.goal.kind == Goal::Kind::MaxError ? header_.goal.value
-                                                             : header_.max_error;
-        const int used = std::min(layout_.levels() - level, complete_levels_ - 1);
-        return container_.chunks()[level_chunk(used)].bound;
+        if (level >= finest_level()) return bound_of(level, layers_, layers_);
+        // Known if the prefix ends with a layer.
+        std::size_t layer = 0;
+        while (container_.complete(blocks_.chunk(layer + 1, 0) - 1)) ++layer;
+        const bool begun = container_.complete(blocks_.chunk(layer, 0));
+        return bound_of(level, layer, begun ? layers_ : layer);
     }
 
     std::uint64_t bytes_for(int level) const override {
-        const int wanted = std::min(layout_.levels() - level + 1, complete_levels_);
-        std::size_t last = level_chunk(wanted - 1);
-        if (level == 0 && container_.complete(correction_chunk())) last = correction_chunk();
-        return container_.chunks()[last].offset + container_.chunks()[last].length;
+        const StreamLayout& streams = blocks_.streams();
+        const StreamLayout::Group& group =
+            streams.groups()[streams.group_of_level(std::min(level + 1, layout_.levels()))];
+        std::size_t last = blocks_.chunk(layers_ - 1, group.first + group.count - 1);
+        if (level == 0) last = correction_chunk();
+        const ChunkInfo& chunk =
+            container_.chunks()[std::min(last, container_.complete_chunks() - 1)];
+        return chunk.offset + chunk.length;
     }
 
     std::vector<double> band_steps() const override {
-        std::vector<double> steps(layout_.bands.size(), 0);
-        for (int number = 0; number < complete_levels_; ++number) {
-            const auto data = container_.chunk(level_chunk(number));
-            if (!data.ok()) continue;
-            ByteReader in(*data);
-            for (std::size_t k = 0; k < layout_.bands.size(); ++k)
-                if (chunk_of(layout_, layout_.bands[k]) == number)
-                    steps[k] = static_cast<double>(in.f32());
+        std::vector<double> steps;
+        for (std::size_t k = 0; k < layout_.bands.size(); ++k) {
+            const StreamLayout& streams = blocks_.streams();
+            const auto& group = streams.groups()[streams.group_of_level(layout_.bands[k].level)];
+            const bool there = container_.complete(blocks_.chunk(0, group.first));
+            steps.push_back(there ? header_.pyramid.step_of(layout_, k) : 0);
         }
         return steps;
     }
 
     std::vector<ChunkSummary> chunks() const override {
         std::vector<ChunkSummary> all;
-        const auto add = [&](const char* kind, int level, std::size_t k) {
-            const ChunkInfo& chunk = container_.chunks()[k];
-            if (chunk.length > 0) all.push_back({kind, level, 1, chunk.length, chunk.bound});
+        const auto add = [&](const char* kind, int level, std::size_t first, std::size_t count) {
+            ChunkSummary sum{kind, level, 0, 0, 0};
+            for (std::size_t k = first; k < first + count; ++k) {
+                const ChunkInfo& chunk = container_.chunks()[k];
+                sum.bytes += chunk.length;
+                sum.count += chunk.length > 0;
+                sum.max_error = chunk.bound;
+            }
+            if (sum.bytes > 0) all.push_back(sum);
         };
-        add("mask", 0, kMaskChunk);
-        add("scaling", layout_.levels(), level_chunk(0));
-        for (int number = 1; number <= layout_.levels(); ++number)
-            add("details", layout_.levels() - number + 1, level_chunk(number));
-        add("correction", 0, correction_chunk());
+        add("mask", 0, kMaskChunk, 1);
+        for (std::size_t layer = 0; layer < layers_; ++layer)
+            for (const StreamLayout::Group& group : blocks_.streams().groups())
+                add(group.first == 0 ? "scaling" : "details", group.finest,
+                    blocks_.chunk(layer, group.first), group.count);
+        add("correction", 0, correction_chunk(), 1);
         return all;
     }
 
   private:
     static constexpr std::size_t kMaskChunk = kEditsChunk + 1;
-    [[nodiscard]] static std::size_t level_chunk(int number) {
-        return kMaskChunk + 1 + static_cast<std::size_t>(number);
-    }
-    [[nodiscard]] std::size_t correction_chunk() const { return level_chunk(layout_.levels()) + 1; }
+
+    /// What turned out to be known of what was asked for.
+    struct Known {
+        std::size_t fewest_layers = 0;
+        std::size_t most_layers = 0;
+        std::vector<LatticeBox> damaged = {};
+    };
+
+    [[nodiscard]] std::size_t correction_chunk() const { return blocks_.chunk(layers_, 0); }
     [[nodiscard]] bool corrected(int level) const {
         return level == 0 && container_.chunks()[correction_chunk()].length > 0 &&
                container_.complete(correction_chunk());
     }
-
-    [[nodiscard]] Result<Quantised> read_bands(int level) const {
-        Quantised quantised;
-        const int wanted = std::min(layout_.levels() - level + 1, complete_levels_);
-        for (int number = 0; number < wanted; ++number) {
-            RELIEF_TRY(const Bytes data, container_.chunk(level_chunk(number)));
-            RELIEF_CHECK(read_level(data, number, layout_, quantised));
-        }
-        return quantised;
+    /// Parts of its surfaces depend on parts of its bands.
+    [[nodiscard]] bool windowed() const {
+        return layout_.spec.id == multires::SchemeId::Cubic && !layout_.spec.exact;
     }
 
-    /// Samples of `level` with corrections, without moves, not rounded.
-    [[nodiscard]] Result<Planes<double>> corrected_samples(int level) const {
-        RELIEF_TRY(const LevelCoefficients<double> control, coefficients(level));
-        Planes<double> planes = multires::samples_of(layout_, control, level);
-        if (!corrected(level)) return planes;
-        RELIEF_TRY(const Bytes data, container_.chunk(correction_chunk()));
-        RELIEF_TRY(const Corrections corrections,
-                   read_corrections(data, layout_.rows, layout_.cols, layout_.components));
-        apply_corrections(corrections, header_.description.type, header_.description.nodata,
-                          planes);
-        if (all_finite(planes)) return planes;
+    /// Largest error of a surface of `level` of which so many layers are known.
+    [[nodiscard]] double bound_of(int level, std::size_t fewest, std::size_t most) const {
+        constexpr double unknown = std::numeric_limits<double>::infinity();
+        const std::vector<double>& bounds = header_.pyramid.bounds;
+        if (fewest == layers_) {
+            if (corrected(level))
+                return header_.goal.kind == Goal::Kind::MaxError ? header_.goal.value
+                                                                 : header_.max_error;
+            if (level > 0) {
+                const auto k = static_cast<std::size_t>(level - 1);
+                return k < bounds.size() ? bounds[k] : unknown;
+            }
+        }
+        if (level > 0 || fewest != most || fewest == 0) return unknown;
+        return container_.chunks()[blocks_.chunk(fewest, 0) - 1].bound;
+    }
+
+    [[nodiscard]] Result<PyramidPart> read(const std::vector<LatticeBox>& boxes,
+                                           Known& known) const {
+        RELIEF_TRY(PyramidPart part, blocks_.read(boxes));
+        known = {part.fewest_layers, part.most_layers, std::move(part.damaged)};
+        return part;
+    }
+
+    [[nodiscard]] Result<LevelCoefficients<double>> whole(int level, Known& known) const {
+        std::vector<LatticeBox> boxes;
+        for (const multires::BandLayout& band : layout_.bands)
+            boxes.push_back(band.channel > 0 && band.level <= level ? LatticeBox{} : band.box);
+        Pyramid<double> pyramid;
+        RELIEF_TRY(PyramidPart part, read(boxes, known));
+        pyramid.layout = layout_;
+        pyramid.bands = std::move(part.bands);
+        return multires::coefficients(pyramid, level);
+    }
+
+    /// Samples of a window of `level` without corrections and moves, not rounded.
+    [[nodiscard]] Result<Planes<double>> surface(int level, const LatticeBox& window,
+                                                 Known& known) const {
+        if (!windowed()) {
+            RELIEF_TRY(const LevelCoefficients<double> control, whole(level, known));
+            return cropped(multires::samples_of(layout_, control, level), window);
+        }
+        const auto boxes = multires::cubic::needed_boxes(layout_, level, window);
+        RELIEF_TRY(const PyramidPart part, read(boxes, known));
+        Planes<double> planes;
+        for (std::size_t c = 0; c < static_cast<std::size_t>(layout_.components); ++c) {
+            std::vector<GridView<const double>> bands;
+            for (const Planes<double>& band : part.bands) bands.push_back(band[c].view());
+            RELIEF_TRY(Grid<double> plane,
+                       multires::cubic::synthesise_window<double>(layout_, level, window, bands));
+            planes.push_back(std::move(plane));
+        }
+        return planes;
+    }
+
+    Status correct(const LatticeBox& window, Planes<double>& planes) const {
+        RELIEF_TRY(const auto corrections, corrections_of_file());
+        apply_corrections(*corrections, header_.description.type, header_.description.nodata,
+                          window, planes);
+        if (all_finite(planes)) return {};
         return Error{ErrorCode::BadFile,
                      "the corrections give samples that are not numbers; the file is damaged",
                      "correction chunk"};
     }
 
+    [[nodiscard]] Result<std::shared_ptr<const Corrections>> corrections_of_file() const {
+        const std::lock_guard lock(mutex_);
+        if (corrections_) return corrections_;
+        RELIEF_TRY(const Bytes data, container_.chunk(correction_chunk()));
+        RELIEF_TRY(Corrections read,
+                   read_corrections(data, layout_.rows, layout_.cols, layout_.components));
+        corrections_ = std::make_shared<const Corrections>(std::move(read));
+        return corrections_;
+    }
+
     const ContainerReader& container_;
     const RasterHeader& header_;
     const PyramidLayout& layout_;
+    std::size_t layers_;
+    PyramidBlocks blocks_;
     Grid<std::uint8_t> mask_;
-    int complete_levels_ = 0;  ///< leading level chunks inside the prefix
+    mutable std::mutex mutex_;
+    mutable std::shared_ptr<const Corrections> corrections_;  ///< read when they are first needed
 };
 
 }  // namespace
@@ -228,6 +298,15 @@ class PyramidBody final : public RasterBody {
 Result<std::unique_ptr<RasterBody>> open_pyramid_body(const ContainerReader& container,
                                                       const RasterHeader& header,
                                                       const multires::PyramidLayout& layout) {
+    const PyramidCoding& coding = header.pyramid;
+    if (!coding.exponents.empty() && coding.exponents.size() != layout.bands.size())
+        return Error{ErrorCode::BadFile, "has not a step for each band; the file is damaged",
+                     "header"};
+    // Sizes must be believable before anything of their size is allocated: each tile has chunks.
+    if (container.chunks().size() != PyramidBody::chunk_count(header, layout))
+        return Error{ErrorCode::BadFile,
+                     "has not the chunks that its levels call for; the file is damaged",
+                     "directory"};
     auto body = std::make_unique<PyramidBody>(container, header, layout);
     RELIEF_CHECK(body->open());
     return std::unique_ptr<RasterBody>(std::move(body));

@@ -1,17 +1,18 @@
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
 
 #include "codec/corrections.h"
-#include "codec/level_chunks.h"
+#include "codec/pyramid_code.h"
 #include "codec/pyramid_encode.h"
 #include "codec/raster_header.h"
 #include "relief/codec/container.h"
 #include "relief/codec/fill.h"
 #include "relief/codec/mask_coder.h"
-#include "relief/codec/quantise.h"
 #include "relief/core/parallel.h"
 
 namespace relief::codec {
@@ -20,14 +21,9 @@ namespace {
 
 using multires::Planes;
 
-/// Rounding of magnitudes where only coefficients worth their bits shall survive, and for chosen
-/// coefficients.
-constexpr double kDeadZoneRounding = 0.45;
-/// A coefficient is worth refitting when its weighted magnitude is at least this part of the
-/// quantiser's unit.
+/// A coefficient is worth refitting when its weighted magnitude is at least this part of the step.
 constexpr double kRefitThreshold = 0.55;
-/// Quantiser steps are floats and values have 31 bits: samples up to here leave room for what
-/// filters add.
+/// Samples up to here leave room for what filters add.
 constexpr double kLargestSample = 1e45;
 /// Bounds below so many of a float type's steps may cost more than exactness.
 constexpr double kNearlyExact = 64;
@@ -86,14 +82,38 @@ double largest_error_of_level(const Raster& raster, const Planes<double>& planes
     return largest;
 }
 
+/// x to so many decimal digits: short in a header.
+double rounded(double x, int digits) {
+    std::array<char, 64> text;
+    const auto end = std::to_chars(text.data(), text.data() + text.size(), x,
+                                   std::chars_format::scientific, digits - 1);
+    double value = x;
+    std::from_chars(text.data(), end.ptr, value);
+    return value;
+}
+
+double mean_of(const Grid<double>& plane) {
+    double sum = 0;
+    for (std::int64_t r = 0; r < plane.rows(); ++r)
+        for (std::int64_t c = 0; c < plane.cols(); ++c) sum += plane(r, c);
+    return rounded(sum / static_cast<double>(plane.count()), 5);
+}
+
+/// Not below x >= 0.
+double rounded_up(double x, int digits) {
+    const double nearest = rounded(x, digits);
+    return nearest >= x ? nearest : rounded(x * (1 + 2 * std::pow(10.0, -digits)), digits);
+}
+
 /// One way to code the raster: quantised coefficients, the surface they give, how far it is off,
 /// and the coded chunks.
 struct Candidate {
-    Quantised quantised;
+    PyramidCoding coding;
+    QuantisedPyramid quantised;
     Planes<double> surface;
     Error2 error;
     std::optional<Corrections> corrections;
-    std::vector<Bytes> levels;  ///< empty: not yet coded
+    std::vector<Bytes> chunks;
     Bytes correction;
 };
 
@@ -105,9 +125,18 @@ class Encoder {
     Result<EncodedRaster> run() {
         RELIEF_CHECK(check());
         RELIEF_CHECK(analyse());
-        RELIEF_TRY(Candidate best, choose());
-        if (cancelled(0.8)) return cancelled_error();
-        return finish(std::move(best));
+        // The bounds in the header, which are measured last, may take more bytes than was thought.
+        for (double most = options_.goal.value;;) {
+            RELIEF_TRY(Candidate best, choose(most));
+            if (cancelled(0.8)) return cancelled_error();
+            RELIEF_TRY(EncodedRaster encoded, finish(std::move(best)));
+            const double over = static_cast<double>(encoded.bytes.size()) - options_.goal.value;
+            if (options_.goal.kind != Kind::Bytes || over <= 0) {
+                if (options_.progress) options_.progress(1);
+                return encoded;
+            }
+            most -= over;
+        }
     }
 
   private:
@@ -148,16 +177,18 @@ class Encoder {
         if (!raster_.mask.empty()) target_.mask = raster_.mask.view();
         RELIEF_TRY(pyramid_, multires::analyse<double>(target_.planes, spec_));
         scratch_ = Pyramid<double>::allocate(pyramid_.layout);
+        for (const Grid<double>& plane : pyramid_.bands[0]) means_.push_back(mean_of(plane));
         return {};
     }
 
-    Result<Candidate> choose() {
+    /// most: of a goal in bytes.
+    Result<Candidate> choose(double most) {
         const Goal& goal = options_.goal;
         switch (goal.kind) {
             case Kind::Keep:
                 return keep();
             case Kind::Bytes:
-                return search_bytes();
+                return search_bytes(most);
             case Kind::RmsError:
                 return search_rms();
             case Kind::MaxError:
@@ -171,16 +202,21 @@ class Encoder {
     // --- candidates
     // -----------------------------------------------------------------------------------------------
 
-    Planes<double> surface_of(const Quantised& quantised, int finest_level = 0) {
-        dequantise(quantised, scratch_, finest_level);
+    Planes<double> surface_of(const Candidate& candidate, int plane = 0, int finest_level = 0) {
+        reconstruct(candidate.quantised, candidate.coding, plane, finest_level, scratch_);
         return multires::synthesise(scratch_);
     }
 
-    Candidate evaluated(Quantised quantised) {
-        Candidate candidate;
-        candidate.surface = surface_of(quantised);
+    void evaluate(Candidate& candidate) {
+        candidate.surface = surface_of(candidate);
         candidate.error = surface_error(raster_, candidate.surface);
-        candidate.quantised = std::move(quantised);
+    }
+
+    Candidate quantised(const Pyramid<double>& pyramid, double step) const {
+        Candidate candidate;
+        candidate.coding.means = means_;
+        candidate.coding.step = rounded_up(std::max(step, least_step(pyramid, means_)), 6);
+        candidate.quantised = quantise(pyramid, candidate.coding);
         return candidate;
     }
 
@@ -195,41 +231,41 @@ class Encoder {
         return copy;
     }
 
-    /// Quantised coefficients for a unit. Least squares over those that will not be zero takes 10
-    /// to 20 % off the file at the same error: atoms of one level overlap and can take over what
-    /// their neighbours lose.
-    Candidate at_unit(double unit) {
-        if (options_.effort == Effort::Select)
-            return evaluated(quantise(pyramid_, unit, kDeadZoneRounding));
+    /// The pyramid whose coefficients are to be quantised with a step. Least squares over those
+    /// that will not be zero takes 10 to 20 % off the file at the same error: atoms of one level
+    /// overlap and can take over what their neighbours lose.
+    Pyramid<double> improved(double step) const {
         Pyramid<double> chosen = copy_of_pyramid();
+        if (options_.effort == Effort::Select) return chosen;
+        const Selection selection = select_above(chosen, kRefitThreshold * step);
         if (options_.effort == Effort::Reselect) {
-            const Selection first = select_above(chosen, kRefitThreshold * unit);
-            codec::choose(chosen, first.kept, target_, Effort::Reselect);
+            codec::choose(chosen, selection.kept, target_, Effort::Reselect);
         } else {
-            const Selection selection = select_above(chosen, kRefitThreshold * unit);
             apply(selection, chosen);
             refit(chosen, selection, target_, 8);
         }
-        return evaluated(quantise(chosen, unit, 0.5));
+        return chosen;
     }
 
-    /// Codes all chunks, the largest ones first.
-    void code(Candidate& candidate) const {
-        const int levels = pyramid_.layout.levels();
-        candidate.levels.resize(static_cast<std::size_t>(levels) + 1);
-        parallel_for(-1, levels + 1, 1, [&](std::int64_t first, std::int64_t) {
-            if (first >= 0) {
-                const int number = levels - static_cast<int>(first);
-                candidate.levels[static_cast<std::size_t>(number)] =
-                    write_level(pyramid_.layout, candidate.quantised, number);
-            } else if (candidate.corrections) {
-                candidate.correction = write_corrections(*candidate.corrections);
-            }
-        });
+    /// Codes the streams, which drops some values, and measures what is left.
+    Status code(Candidate& candidate) {
+        const StreamLayout streams(pyramid_.layout);
+        RELIEF_TRY(const std::vector<CodedStream> coded,
+                   encode_streams(pyramid_.layout, streams, candidate.quantised));
+        candidate.coding.layers = choose_layers(coded);
+        candidate.chunks = chunks_of(coded, candidate.coding.layers);
+        evaluate(candidate);
+        return {};
+    }
+
+    Result<Candidate> at_step(double step) {
+        Candidate candidate = quantised(improved(step), step);
+        RELIEF_CHECK(code(candidate));
+        return candidate;
     }
 
     std::uint64_t size_of(Candidate& candidate) const {
-        code(candidate);
+        if (candidate.corrections) candidate.correction = write_corrections(*candidate.corrections);
         const auto file = assemble(candidate, {}, candidate.error);
         return file.ok() ? file->size() : std::numeric_limits<std::uint64_t>::max();
     }
@@ -244,15 +280,20 @@ class Encoder {
         Pyramid<double> chosen = copy_of_pyramid();
         const Selection selection = codec::choose(
             chosen, static_cast<std::int64_t>(std::llround(wanted)), target_, options_.effort);
-        Candidate candidate = evaluated(quantise_finely(chosen));
-        candidate.quantised.kept = selection.kept;
+        kept_ = selection.kept;
+        Candidate candidate;
+        candidate.coding = fine_coding(chosen, means_);
+        candidate.quantised = quantise(chosen, candidate.coding);
+        candidate.quantised.worths.clear();
+        RELIEF_CHECK(code(candidate));
         return candidate;
     }
 
     /// Finds the unit where `measure_of(candidate)` meets 1 from below. growing: the measure grows
     /// with the unit. Keeps the candidate that is closest below 1.
-    template <class MeasureOf>
-    Result<Candidate> search(double unit, bool growing, double close_enough, MeasureOf measure_of) {
+    template <class Make, class MeasureOf>
+    Result<Candidate> search(double unit, bool growing, double close_enough, Make make,
+                             MeasureOf measure_of) {
         std::optional<Candidate> best;
         double best_measure = 0;
         double below = 0;  // log units and log measures of the bracket
@@ -264,7 +305,7 @@ class Encoder {
         constexpr int most_steps = 24;
         for (int step = 0; step < most_steps; ++step) {
             if (cancelled(0.1 + 0.7 * step / most_steps)) return cancelled_error();
-            Candidate candidate = at_unit(unit);
+            RELIEF_TRY(Candidate candidate, make(unit));
             const double measure = measure_of(candidate);
             const double logarithm = std::log(std::max(measure, 1e-12));
             if (measure <= 1) {
@@ -295,20 +336,30 @@ class Encoder {
         return *std::move(best);
     }
 
+    /// First without coding; then, for values that are dropped make the error larger, with it.
     Result<Candidate> search_rms() {
         const double goal = options_.goal.value;
         if (goal > 0) {
-            auto found = search(3 * goal, true, 0.995, [&](const Candidate& candidate) {
+            const auto measure = [&](const Candidate& candidate) {
                 return candidate.error.rms(samples_) / goal;
-            });
+            };
+            const auto quantise_only = [&](double step) -> Result<Candidate> {
+                Candidate candidate = quantised(improved(step), step);
+                evaluate(candidate);
+                return candidate;
+            };
+            auto found = search(4 * goal, true, 0.95, quantise_only, measure);
+            if (found.ok())
+                found = search(
+                    0.97 * found->coding.step, true, 0.995,
+                    [&](double step) { return at_step(step); }, measure);
             if (found.ok() || found.error().code == ErrorCode::Cancelled) return found;
         }
         return search_bounded(0);  // nearer than quantising comes
     }
 
-    Result<Candidate> search_bytes() {
-        const double goal = options_.goal.value;
-        Candidate nothing = evaluated(quantise(pyramid_, unit_above_all(), kDeadZoneRounding));
+    Result<Candidate> search_bytes(double goal) {
+        RELIEF_TRY(Candidate nothing, at_step(step_above_all()));
         const std::uint64_t least = size_of(nothing);
         if (static_cast<double>(least) > goal)
             return Error{ErrorCode::InvalidArgument,
@@ -320,23 +371,16 @@ class Encoder {
         const double spread = surface_error(raster_, nothing.surface).rms(samples_);
         if (!(spread > 0)) return nothing;
         auto found = search(
-            std::max(spread * std::exp2(-1.2 * bits), 1e-6 * spread), false, 0.997,
+            std::max(8 * spread * std::exp2(-2 * bits), 1e-6 * spread), false, 0.997,
+            [&](double step) { return at_step(step); },
             [&](Candidate& candidate) { return static_cast<double>(size_of(candidate)) / goal; });
         if (!found.ok() && found.error().code != ErrorCode::Cancelled) return nothing;
         return found;
     }
 
-    /// A unit at which every coefficient is quantised to zero.
-    [[nodiscard]] double unit_above_all() const {
-        double unit = 1e-290;
-        for (std::size_t k = 0; k < pyramid_.bands.size(); ++k)
-            for (const Grid<double>& plane : pyramid_.bands[k])
-                for (std::int64_t r = 0; r < plane.rows(); ++r)
-                    for (std::int64_t c = 0; c < plane.cols(); ++c)
-                        unit = std::max(unit,
-                                        4 * std::abs(plane(r, c)) *
-                                            band_norm(pyramid_.layout.bands[k], Metric::Samples));
-        return unit;
+    /// A step with which every coefficient is quantised to zero.
+    [[nodiscard]] double step_above_all() const {
+        return std::max(4 * 0x1p29 * least_step(pyramid_, means_), 1e-290);
     }
 
     /// A candidate with its corrections and the size of its file.
@@ -362,22 +406,25 @@ class Encoder {
         const double quantum = smallest_step();
         const double scale = std::max(exact ? quantum : bound, quantum);
         Corrected best;
-        double factor = exact ? 2.0 : 3.0;
-        const auto attempt = [&](double f) {
-            Candidate candidate = at_unit(f * scale);
+        double factor = exact ? 2.0 : 2.35;
+        const auto attempt = [&](double f) -> Result<bool> {
+            RELIEF_TRY(Candidate candidate, at_step(f * scale));
             candidate.corrections = make_corrections(raster_, candidate.surface, bound);
             const std::uint64_t size = size_of(candidate);
             if (size >= best.size) return false;
             best = {std::move(candidate), size};
             return true;
         };
-        attempt(factor);
+        RELIEF_TRY([[maybe_unused]] const bool first, attempt(factor));
         for (double ratio = 2; ratio > 1.1; ratio = std::sqrt(ratio)) {
             if (cancelled(0.3)) return cancelled_error();
-            if (attempt(factor * ratio))
+            RELIEF_TRY(const bool coarser, attempt(factor * ratio));
+            if (coarser) {
                 factor *= ratio;
-            else if (attempt(factor / ratio))
-                factor /= ratio;
+                continue;
+            }
+            RELIEF_TRY(const bool finer, attempt(factor / ratio));
+            if (finer) factor /= ratio;
         }
         return best;
     }
@@ -398,7 +445,8 @@ class Encoder {
     // -----------------------------------------------------------------------------------------------------
 
     /// The file of a candidate whose chunks are coded.
-    Result<Bytes> assemble(const Candidate& candidate, const std::vector<Error2>& level_errors,
+    /// layer_errors: largest ones, one for each layer; none if they are not known yet.
+    Result<Bytes> assemble(const Candidate& candidate, const std::vector<double>& layer_errors,
                            const Error2& final_error) const {
         RasterHeader header;
         header.description = description_of(raster_);
@@ -408,51 +456,67 @@ class Encoder {
         header.goal = options_.goal;
         header.max_error = final_error.max;
         header.rms_error = final_error.rms(samples_);
+        header.pyramid = candidate.coding;
+        // Room for the bounds of levels that are not known yet.
+        const auto levels = static_cast<std::size_t>(pyramid_.layout.levels());
+        header.pyramid.bounds.resize(levels, rounded_up(final_error.max, 3));
 
         ContainerWriter writer;
         writer.add({});  // no edits
         writer.add(header.has_mask ? encode_mask(raster_.mask.view()) : Bytes{});
-        for (std::size_t k = 0; k < candidate.levels.size(); ++k)
-            writer.add(candidate.levels[k], k < level_errors.size()
-                                                ? level_errors[k].max
-                                                : std::numeric_limits<double>::infinity());
+        const std::size_t streams = candidate.chunks.size() / candidate.coding.layers.size();
+        for (std::size_t k = 0; k < candidate.chunks.size(); ++k) {
+            const std::size_t layer = k / streams;
+            const bool ends = k % streams == streams - 1 && layer < layer_errors.size();
+            writer.add(candidate.chunks[k],
+                       ends ? layer_errors[layer] : std::numeric_limits<double>::infinity());
+        }
         writer.add(candidate.correction, final_error.max);
         return writer.finish(write_header(header));
     }
 
-    /// Errors of the surface decoded up to each chunk, at all samples. The largest holds for the
-    /// raster of the chunk's level too, whose border is extrapolated at that level and may differ
-    /// from the surface.
-    std::vector<Error2> errors_by_chunk(const Candidate& candidate) {
-        std::vector<Error2> errors;
-        for (int level = pyramid_.layout.levels(); level >= 1; --level) {
-            Error2 error = surface_error(raster_, surface_of(candidate.quantised, level));
-            error.max = std::max(
-                error.max,
-                largest_error_of_level(raster_, multires::synthesise(scratch_, level), level));
-            errors.push_back(error);
+    /// Largest errors of the surfaces that the first layers give.
+    std::vector<double> errors_by_layer(const Candidate& candidate) {
+        std::vector<double> errors;
+        for (const int plane : candidate.coding.layers)
+            errors.push_back(plane == 0 ? candidate.error.max
+                                        : surface_error(raster_, surface_of(candidate, plane)).max);
+        return errors;
+    }
+
+    /// Largest errors of the surfaces without details of level 1, of 2 and 1, .. at all samples.
+    /// They hold for the rasters of the levels too, whose border is extrapolated at that level and
+    /// may differ from the surface.
+    std::vector<double> errors_by_level(const Candidate& candidate) {
+        std::vector<double> errors;
+        for (int level = 1; level <= pyramid_.layout.levels(); ++level) {
+            const double error = surface_error(raster_, surface_of(candidate, 0, level)).max;
+            errors.push_back(rounded_up(
+                std::max(error, largest_error_of_level(
+                                    raster_, multires::synthesise(scratch_, level), level)),
+                3));
         }
-        errors.push_back(candidate.error);
         return errors;
     }
 
     Result<EncodedRaster> finish(Candidate best) {
-        if (best.levels.empty()) code(best);
-        const auto level_errors = errors_by_chunk(best);
+        const std::vector<double> layer_errors = errors_by_layer(best);
+        best.coding.bounds = errors_by_level(best);
         Error2 final_error = best.error;
         if (best.corrections) {
-            apply_corrections(*best.corrections, raster_.type, raster_.nodata, best.surface);
+            apply_corrections(*best.corrections, raster_.type, raster_.nodata,
+                              {0, 0, raster_.rows, raster_.cols}, best.surface);
             final_error = surface_error(raster_, best.surface);
         }
         EncodedRaster result;
-        RELIEF_TRY(result.bytes, assemble(best, level_errors, final_error));
+        RELIEF_TRY(result.bytes, assemble(best, layer_errors, final_error));
         RELIEF_CHECK(verify(result.bytes, final_error));
 
         EncodeReport& report = result.report;
         report.spec = pyramid_.layout.spec;
         report.samples = raster_.rows * raster_.cols;
         report.coefficients = pyramid_.layout.coefficients();
-        report.kept = best.quantised.kept;
+        report.kept = kept_ > 0 ? kept_ : count_kept(best.quantised);
         report.corrected = best.corrections ? best.corrections->corrected : 0;
         report.bytes = result.bytes.size();
         report.bits_per_sample =
@@ -462,7 +526,6 @@ class Encoder {
         const double energy = detail_energy_of_pyramid();
         report.energy_percent = energy > 0 ? 100 * final_error.square / energy : 0;
         report.bound = options_.goal.kind == Kind::MaxError ? options_.goal.value : final_error.max;
-        if (options_.progress) options_.progress(1);
         return result;
     }
 
@@ -499,7 +562,10 @@ class Encoder {
                      "verification"};
     }
 
-    bool cancelled(double done) { return options_.progress && !options_.progress(done); }
+    bool cancelled(double done) {
+        done_ = std::max(done_, done);
+        return options_.progress && !options_.progress(done_);
+    }
     static Error cancelled_error() { return Error{ErrorCode::Cancelled, "cancelled", ""}; }
 
     friend Result<double> relief::codec::pyramid_energy(const Raster&, const multires::SchemeSpec&);
@@ -512,6 +578,9 @@ class Encoder {
     Target target_;
     Pyramid<double> pyramid_;
     Pyramid<double> scratch_;
+    std::vector<double> means_;  ///< of the scaling band
+    std::int64_t kept_ = 0;      ///< by choice
+    double done_ = 0;
 };
 
 }  // namespace

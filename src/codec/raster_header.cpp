@@ -1,5 +1,6 @@
 #include "codec/raster_header.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -211,6 +212,55 @@ Status read_lattice(const Json& json, RasterHeader& header) {
     return {};
 }
 
+Json pyramid_json(const PyramidCoding& coding) {
+    Json json{{"planes", coding.layers}};
+    if (coding.exponents.empty())
+        json["step"] = coding.step;
+    else
+        json["exponents"] = coding.exponents;
+    json["means"] = coding.means;
+    for (const double bound : coding.bounds) json["bounds"].push_back(number(bound));
+    return json;
+}
+
+/// A list of numbers, each within +-largest.
+template <class T>
+Status read_list(const Json& json, T largest, const char* what, std::vector<T>& list) {
+    list.clear();
+    for (const Json& item : json) {
+        const bool right = std::is_integral_v<T> ? item.is_number_integer() : item.is_number();
+        if (!right || !(std::abs(item.get<double>()) <= static_cast<double>(largest)))
+            return bad(std::string("a number of its ") + what + " is out of range");
+        list.push_back(item.get<T>());
+    }
+    return {};
+}
+
+Status read_pyramid(const Json& json, RasterHeader& header) {
+    constexpr double largest = 1e100;
+    constexpr int most_planes = 31;
+    Reader reader(json);
+    PyramidCoding coding;
+    coding.step = reader.get("step", 1.0);
+    RELIEF_CHECK(read_list(reader.array("exponents"), 300, "exponents", coding.exponents));
+    RELIEF_CHECK(read_list(reader.array("planes"), most_planes, "planes", coding.layers));
+    RELIEF_CHECK(read_list(reader.array("means"), largest, "means", coding.means));
+    for (const Json& bound : reader.array("bounds"))
+        coding.bounds.push_back(bound.is_number() ? std::abs(bound.get<double>()) : INFINITY);
+    RELIEF_CHECK(reader.status());
+    if (!(coding.step > 1e-300 && coding.step <= largest))
+        return bad("the step of its quantiser is out of range");
+    const auto falls = [](int a, int b) { return a <= b; };
+    if (coding.layers.empty() || coding.layers.back() != 0 ||
+        std::adjacent_find(coding.layers.begin(), coding.layers.end(), falls) !=
+            coding.layers.end())
+        return bad("the planes of its layers do not descend to 0");
+    if (coding.means.size() != static_cast<std::size_t>(header.components))
+        return bad("the number of its means is not that of its components");
+    header.pyramid = std::move(coding);
+    return {};
+}
+
 Status read_names(const Json& json, Raster& description) {
     Reader reader(json);
     for (const Json& name : reader.array("bands")) {
@@ -268,7 +318,10 @@ std::string write_header(const RasterHeader& header) {
         {"scheme", scheme_json(header.spec)},
         {"goal", Json{{"kind", goal_name(header.goal.kind)}, {"value", number(header.goal.value)}}},
         {"error", Json{{"max", number(header.max_error)}, {"rms", number(header.rms_error)}}}};
-    if (header.lattice) json["lattice"] = lattice_json(*header.lattice);
+    if (header.lattice)
+        json["lattice"] = lattice_json(*header.lattice);
+    else
+        json["pyramid"] = pyramid_json(header.pyramid);
     if (header.components != 1) json["components"] = header.components;
     if (header.has_mask) json["mask"] = true;
     if (raster.nodata) json["nodata"] = number(*raster.nodata);
@@ -301,6 +354,9 @@ Result<RasterHeader> read_header(const std::string& text) {
     RELIEF_CHECK(read_scheme(scheme, header.spec));
     if (json.contains("lattice")) {
         RELIEF_CHECK(read_lattice(reader.object("lattice"), header));
+        RELIEF_CHECK(reader.status());
+    } else {
+        RELIEF_CHECK(read_pyramid(reader.object("pyramid"), header));
         RELIEF_CHECK(reader.status());
     }
     Reader goal(goal_json);

@@ -1,12 +1,31 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "codec/tile_codec.h"
 #include "relief/codec/raster_codec.h"
 
 namespace relief::codec {
+
+/// How an open-loop file quantises its pyramid and orders what it knows.
+struct PyramidCoding {
+    double step = 1;  ///< of a coefficient whose basis function has norm 1
+    std::vector<int> exponents =
+        {};                          ///< if not empty: the step of band k is 2^exponents[k] instead
+    std::vector<int> layers = {0};   ///< lowest bit plane of each, descending to 0
+    std::vector<double> means = {};  ///< of each component: added to the scaling band
+    /// Largest error of the surface that the file gives without details of level k + 1 and finer
+    /// ones; infinite: not known.
+    std::vector<double> bounds = {};
+
+    [[nodiscard]] double step_of(const multires::PyramidLayout& layout, std::size_t band) const {
+        return exponents.empty() ? step / layout.bands[band].norm_samples
+                                 : std::ldexp(1.0, exponents[band]);
+    }
+};
 
 /// What the header of a raster file says, besides the coded data.
 struct RasterHeader {
@@ -18,6 +37,7 @@ struct RasterHeader {
     double max_error = 0;
     double rms_error = 0;
     std::optional<LatticeCoding> lattice = {};  ///< of files of the closed loop
+    PyramidCoding pyramid = {};                 ///< of other files
 };
 
 [[nodiscard]] std::string_view profile_name(Profile profile);

@@ -107,7 +107,7 @@ class TileCodec {
 struct TileSamples {
     std::vector<Grid<std::int32_t>> values;  ///< one a component
     std::vector<Grid<double>> originals;     ///< the same before conversion; may be NaN in holes
-    Grid<std::uint8_t> valid;                ///< empty: all valid
+    Grid<std::uint8_t> valid;                ///< has holes; empty: all valid
 };
 
 struct TileError {
@@ -126,14 +126,20 @@ struct EncodedTile {
     std::int64_t nonzero = 0;  ///< samples with a quotient that is not zero
 };
 
-/// Encodes a tile, decodes the bytes again and compares; samples that are off by more than `bound`
-/// are repaired. measure_coarse: find the coarse_errors. `start`: as top_state or the tier above
-/// gives it, twice: once for the encoder, once for the decoder that checks it. Errors: BadInput
-/// when the decoder disagrees (a broken machine); never otherwise.
+/// How much is done about a tile beside writing it. The bytes are the same.
+enum class TileCare : std::uint8_t {
+    Trial,     ///< nothing
+    Verified,  ///< the bytes are decoded again and compared
+    Measured,  ///< and the coarse_errors are found
+};
+
+/// Encodes a tile; samples that are off by more than `bound` are repaired. `start`: as top_state or
+/// the tier above gives it; `check` the same for the decoder, unless it is a trial. Errors:
+/// BadInput when the decoder disagrees (a broken machine); never otherwise.
 [[nodiscard]] Result<EncodedTile> encode_tile(const LatticeCoding& coding, const TileTree& tree,
                                               int tier, std::int64_t tile,
                                               const TileSamples& samples, TileState start,
-                                              TileState check, double bound, bool measure_coarse);
+                                              TileState check, double bound, TileCare care);
 
 /// The mask at the front of a tile's first chunk: rows x cols of its box, empty when all samples
 /// are valid. `bytes` moves on to what follows it. Errors: BadFile.

@@ -1,6 +1,4 @@
-#include "codec/level_chunks.h"
 #include "relief/codec/raster_codec.h"
-#include "relief/multires/scheme.h"
 #include "support.h"
 
 /// Scheme fvs in files: the coarsest level has derivatives that finer ones have not, so that bands
@@ -21,29 +19,6 @@ Raster landscape(std::int64_t rows, std::int64_t cols) {
                 50 * std::sin(0.1 * double(r)) * std::cos(0.07 * double(c)) + 0.5 * noise();
     raster.planes.push_back(std::move(plane));
     return raster;
-}
-
-TEST(FvsPyramid, LevelsComeBack) {
-    multires::SchemeSpec spec;
-    spec.id = multires::SchemeId::Fvs;
-    for (const auto& [rows, cols] :
-         {std::pair<std::int64_t, std::int64_t>{60, 83}, {33, 33}, {2, 9}, {1, 40}, {1, 1}}) {
-        const Raster raster = landscape(rows, cols);
-        const auto pyramid = multires::analyse<double>({raster.planes[0].view()}, spec);
-        ASSERT_TRUE(pyramid.ok());
-        const Quantised quantised = quantise(*pyramid, 0.5, 0.4);
-        Quantised read;
-        for (int number = 0; number <= pyramid->layout.levels(); ++number) {
-            const auto bytes = write_level(pyramid->layout, quantised, number);
-            const Status status = read_level(bytes, number, pyramid->layout, read);
-            ASSERT_TRUE(status.ok()) << status.error().text() << " in chunk " << number;
-        }
-        EXPECT_EQ(read.steps, quantised.steps);
-        for (std::size_t k = 0; k < quantised.values.size(); ++k)
-            EXPECT_EQ(
-                test::largest_difference<std::int32_t>(read.values[k][0], quantised.values[k][0]),
-                0);
-    }
 }
 
 TEST(FvsPyramid, FilesMeetTheirGoal) {

@@ -4,7 +4,6 @@
 
 #include "relief/codec/fill.h"
 #include "relief/codec/measure.h"
-#include "relief/codec/quantise.h"
 #include "relief/core/parallel.h"
 #include "support.h"
 
@@ -142,37 +141,6 @@ TEST(Oracle, SameBytesForAnyThreadCount) {
     set_thread_count(3);
     EXPECT_EQ(error_after(data, kFrame, 700, Effort::Refit), one);
     set_thread_count(0);
-}
-
-TEST(Quantise, ErrorIsAtMostHalfAStepOutsideTheDeadZone) {
-    const auto data = terrain(40);
-    const auto pyramid = *multires::analyse<double>({data.view()}, kBox);
-    const Quantised quantised = quantise(pyramid, 5, 0.5);
-    auto back = Pyramid<double>::allocate(pyramid.layout);
-    dequantise(quantised, back);
-    for (std::size_t k = 0; k < pyramid.bands.size(); ++k) {
-        const double step = quantised.steps[k];
-        EXPECT_NEAR(step * pyramid.layout.bands[k].norm_samples, 5, 1e-5);
-        for (std::int64_t r = 0; r < pyramid.bands[k][0].rows(); ++r)
-            for (std::int64_t c = 0; c < pyramid.bands[k][0].cols(); ++c)
-                EXPECT_LE(std::abs(pyramid.bands[k][0](r, c) - back.bands[k][0](r, c)),
-                          0.5 * step * (1 + 1e-12));
-    }
-}
-
-TEST(Quantise, FineStepsAreTwoToTheMinus24OfTheBand) {
-    const auto data = terrain(40);
-    const auto pyramid = *multires::analyse<double>({data.view()}, kFrame);
-    auto back = Pyramid<double>::allocate(pyramid.layout);
-    dequantise(quantise_finely(pyramid), back);
-    for (std::size_t k = 0; k < pyramid.bands.size(); ++k) {
-        double largest = 0;
-        for (std::int64_t r = 0; r < pyramid.bands[k][0].rows(); ++r)
-            for (std::int64_t c = 0; c < pyramid.bands[k][0].cols(); ++c)
-                largest = std::max(largest, std::abs(pyramid.bands[k][0](r, c)));
-        EXPECT_LE(test::largest_difference(pyramid.bands[k][0], back.bands[k][0]),
-                  std::ldexp(largest, -24) * 0.51);
-    }
 }
 
 TEST(Fill, KeepsValidSamplesAndContinuesThemSmoothly) {
