@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "command.h"
+#include "quad_verbs.h"
 #include "relief/codec/measure.h"
 #include "relief/io/file_kind.h"
 
@@ -79,6 +80,13 @@ double diagonal_of(const Raster& raster, double range) {
 }
 
 Result<Outcome> run(const Compare& options, const Globals& globals) {
+    if (is_mesh(options.a) || is_mesh(options.b)) {
+        if (!options.surface) return compare_quads(options.a, options.b);
+        return Error{ErrorCode::Unsupported,
+                     "distances between surfaces are not measured yet; meshes of the same vertices "
+                     "can be compared without --surface",
+                     options.a};
+    }
     if (options.surface)
         return Error{ErrorCode::InvalidArgument,
                      "--surface compares meshes; rasters are compared sample by sample", ""};
@@ -127,10 +135,12 @@ Result<Outcome> run(const Compare& options, const Globals& globals) {
 void add_compare(Program& program) {
     auto options = std::make_shared<Compare>();
     CLI::App* verb =
-        add_verb(program, "compare", "Measure how far B is from the reference A, sample by sample.",
+        add_verb(program, "compare",
+                 "Measure how far B is from the reference A, sample by sample or vertex by vertex.",
                  "  relief compare dem.tif decoded.tif\n  relief compare dem.tif dem.relief --json",
                  [options, &program] { return run(*options, program.globals); });
-    verb->add_option("A", options->a, "the reference: a raster or a .relief file")->required();
+    verb->add_option("A", options->a, "the reference: a raster, a mesh or a .relief file")
+        ->required();
     verb->add_option("B", options->b, "what is compared to it")->required();
     verb->add_flag("--surface", options->surface, "distance between surfaces (meshes)");
     verb->add_option(

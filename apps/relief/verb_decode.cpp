@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "command.h"
+#include "quad_verbs.h"
 #include "relief/codec/raster_surface.h"
 #include "relief/io/raster.h"
 
@@ -239,6 +240,14 @@ Json damage_json(const std::vector<LatticeBox>& damaged) {
     return list;
 }
 
+/// A file of a quadrangulation has levels, but no windows and scales.
+Result<Outcome> decode_mesh(const Decode& options) {
+    if (!options.window.empty() || options.scale != 1)
+        return Error{ErrorCode::InvalidArgument, "--window and --scale are for rasters",
+                     options.in};
+    return decode_quads(options.in, options.out, options.level, options.bytes);
+}
+
 Result<Outcome> run(const Decode& options, const Globals& globals) {
     const Stopwatch watch;
     if (!(options.scale > 0 && std::isfinite(options.scale)))
@@ -247,6 +256,7 @@ Result<Outcome> run(const Decode& options, const Globals& globals) {
         return Error{ErrorCode::InvalidArgument, "--scale and --level exclude each other", ""};
     if (options.bytes && *options.bytes < 1)
         return Error{ErrorCode::InvalidArgument, "--bytes must be at least 1", ""};
+    if (holds_quads(options.in)) return decode_mesh(options);
     RELIEF_TRY(const codec::RasterFile file, open_relief(options.in, options.bytes));
     auto source = Source::create(file, options);
     if (!source.ok()) return located(source.error(), options.in);
@@ -281,19 +291,24 @@ Result<Outcome> run(const Decode& options, const Globals& globals) {
 
 void add_decode(Program& program) {
     auto options = std::make_shared<Decode>();
-    CLI::App* verb =
-        add_verb(program, "decode",
-                 "Turn a .relief file back into a raster, whole, coarser, finer or in part.",
-                 "  relief decode dem.relief dem.tif\n"
-                 "  relief decode dem.relief overview.tif --level 3\n"
-                 "  relief decode dem.relief smooth.tif --scale 4 --window 0,0,512,512",
-                 [options, &program] { return run(*options, program.globals); });
+    CLI::App* verb = add_verb(
+        program, "decode",
+        "Turn a .relief file back into a raster, whole, coarser, finer or in part; or into a "
+        "mesh.",
+        "  relief decode dem.relief dem.tif\n"
+        "  relief decode dem.relief overview.tif --level 3\n"
+        "  relief decode dem.relief smooth.tif --scale 4 --window 0,0,512,512\n"
+        "  relief decode quads.relief coarse.off --level 1",
+        [options, &program] { return run(*options, program.globals); });
     verb->add_option("IN", options->in, "the .relief file")->required();
-    verb->add_option("OUT", options->out,
-                     "the raster; its extension names the format (.tif: GeoTIFF)")
+    verb->add_option(
+            "OUT", options->out,
+            "the raster or mesh; its extension names the format (.tif: GeoTIFF, .off, .obj)")
         ->required();
-    verb->add_option("--level", options->level,
-                     "level below the finest: every 2^K-th sample; 0: all")
+    verb->add_option(
+            "--level", options->level,
+            "level below the finest: every 2^K-th sample, or the mesh K refinements coarser; 0: "
+            "all")
         ->check(CLI::Range(0, 64));
     verb->add_option("--bytes", options->bytes, "read only this many bytes of the file");
     verb->add_option("--window", options->window, "COL,ROW,WIDTH,HEIGHT in samples of the result")

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "command.h"
+#include "quad_verbs.h"
 #include "relief/io/file.h"
 
 namespace relief::cli {
@@ -151,7 +152,17 @@ class CountingSink final : public ByteSink {
     std::uint64_t bytes_ = 0;
 };
 
+/// A file of a quadrangulation is edited vertex by vertex.
+Result<Outcome> edit_mesh(const Edit& options) {
+    if (!options.script.empty())
+        return Error{ErrorCode::InvalidArgument, "--script is for rasters; use --move", options.in};
+    if (!options.moves.empty() && !options.level)
+        return Error{ErrorCode::InvalidArgument, "--move needs --level K", ""};
+    return edit_quads(options.in, options.out, options.level.value_or(0), options.moves);
+}
+
 Result<Outcome> run(const Edit& options) {
+    if (holds_quads(options.in)) return edit_mesh(options);
     RELIEF_TRY(const auto source, io::open_source(options.in));
     const auto opened = codec::RasterFile::open(source);
     if (!opened.ok()) return located(opened.error(), options.in);
@@ -200,7 +211,8 @@ void add_edit(Program& program) {
         "  relief edit dem.relief hill.relief --level 3 --move 1250:80\n"
         "  relief edit face.relief face2.relief --level 2 --move 310:0,0,4.5 --move 311:0,0,4\n"
         "  relief edit dem.relief out.relief --script moves.json\n"
-        "INDEX counts the control net of the level row by row; 'relief info' gives its size.",
+        "INDEX counts the control net of the level row by row; 'relief info' gives its size. In a "
+        "file of a mesh it is a vertex as 'relief decode --level K' numbers them, and DX its rise.",
         [options] { return run(*options); });
     verb->add_option("IN", options->in, "the .relief file")->required();
     verb->add_option("OUT", options->out, "the edited .relief file")->required();

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "command.h"
+#include "quad_verbs.h"
 #include "relief/io/file.h"
 
 namespace relief::cli {
@@ -75,8 +76,10 @@ Json json_of(const codec::EncodeReport& report, const std::string& profile, doub
 Result<Outcome> run(const Encode& options, const Globals& globals) {
     const Stopwatch watch;
     codec::EncodeOptions encode;
-    RELIEF_TRY(encode.spec, options.scheme.spec());
     RELIEF_TRY(encode.goal, goal_of(options));
+    if (is_mesh(options.in))
+        return encode_quads(options.in, options.out, options.scheme, encode.goal);
+    RELIEF_TRY(encode.spec, options.scheme.spec());
     encode.effort = static_cast<codec::Effort>(options.effort);
     encode.progress = progress_bar(globals, "encoding");
     encode.profile = options.profile == "fast" ? codec::Profile::Fast : codec::Profile::Dense;
@@ -97,19 +100,23 @@ Result<Outcome> run(const Encode& options, const Globals& globals) {
 void add_encode(Program& program) {
     auto options = std::make_shared<Encode>();
     CLI::App* verb = add_verb(
-        program, "encode", "Turn a raster into a .relief file: analyse, choose coefficients, code.",
+        program, "encode",
+        "Turn a raster or a quad mesh into a .relief file: analyse, choose coefficients, code.",
         "  relief encode dem.tif dem.relief --max-error 0.5\n"
         "  relief encode dem.tif dem.relief --rms-error 1 --scheme barycentric --order 2\n"
-        "  relief encode dem.tif small.relief --bytes 20000 --json",
+        "  relief encode dem.tif small.relief --bytes 20000 --json\n"
+        "  relief encode quads.off quads.relief --max-error 0.01",
         [options, &program] { return run(*options, program.globals); });
-    verb->add_option("IN", options->in, "a raster of any format GDAL reads, 1 to 4 bands")
+    verb->add_option("IN", options->in,
+                     "a raster of any format GDAL reads, 1 to 4 bands; or a mesh of quads over the "
+                     "plane, .off or .obj")
         ->required();
     verb->add_option("OUT", options->out, "the .relief file")->required();
     options->scheme.add_to(*verb);
     CLI::Option_group* goal =
         verb->add_option_group("Goal", "one of these; without one the file is lossless");
     goal->add_option("--max-error", options->max_error,
-                     "largest error of any sample, in data units; verified");
+                     "largest error of any sample or vertex, in data units; verified");
     goal->add_option("--rms-error", options->rms_error,
                      "largest root mean square error, in data units");
     goal->add_option("--keep", options->keep,

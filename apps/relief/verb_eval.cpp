@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "command.h"
+#include "quad_verbs.h"
 #include "relief/codec/raster_surface.h"
 #include "relief/io/file.h"
 
@@ -236,36 +237,62 @@ Result<std::vector<std::vector<Jet>>> evaluate(const codec::RasterFile& file, in
     return components;
 }
 
+/// The jets of all components at all points, and which points are inside.
+struct Evaluated {
+    std::vector<std::vector<Jet>> components;
+    std::vector<std::uint8_t> inside;
+};
+
+Result<Evaluated> evaluate_mesh(const Eval& options, const std::vector<Point>& points) {
+    std::vector<Vec2> places;
+    for (const Point& point : points) places.push_back({point.x, point.y});
+    RELIEF_TRY(const auto jets, evaluate_quads(options.in, places));
+    Evaluated result{{std::vector<Jet>(points.size())}, std::vector<std::uint8_t>(points.size())};
+    for (std::size_t n = 0; n < points.size(); ++n) {
+        result.inside[n] = jets[n].has_value();
+        result.components[0][n] = jets[n].value_or(Jet{});
+    }
+    return result;
+}
+
+Result<Evaluated> evaluate_raster(const Eval& options, const std::vector<Point>& points) {
+    RELIEF_TRY(const codec::RasterFile file, open_relief(options.in));
+    const auto map = PlaceMap::create(file.description().geo);
+    if (!map.ok()) return located(map.error(), options.in);
+    LatticePoints at = locate(points, *map, file);
+    auto components = evaluate(file, options.derivatives, at, *map);
+    if (!components.ok()) return located(components.error(), options.in);
+    return Evaluated{*std::move(components), std::move(at.inside)};
+}
+
 Result<Outcome> run(const Eval& options, const Globals& globals) {
     const Stopwatch watch;
     if (options.at.empty() && options.points.empty())
         return Error{ErrorCode::InvalidArgument, "give places with --at X,Y or --points FILE.csv",
                      ""};
     RELIEF_TRY(const std::vector<Point> points, read_points(options));
-    RELIEF_TRY(const codec::RasterFile file, open_relief(options.in));
-    const auto map = PlaceMap::create(file.description().geo);
-    if (!map.ok()) return located(map.error(), options.in);
-    LatticePoints at = locate(points, *map, file);
-    const auto components = evaluate(file, options.derivatives, at, *map);
-    if (!components.ok()) return located(components.error(), options.in);
+    RELIEF_TRY(const Evaluated evaluated, holds_quads(options.in)
+                                              ? evaluate_mesh(options, points)
+                                              : evaluate_raster(options, points));
+    const auto& [components, inside] = evaluated;
 
     const std::size_t count = options.derivatives == 0 ? 1 : options.derivatives == 1 ? 3 : 6;
-    std::string csv = heading(file.layout().components, options.derivatives);
+    std::string csv = heading(static_cast<int>(components.size()), options.derivatives);
     const bool listed = globals.json && options.output.empty();
     Json values = Json::array();
     for (std::size_t n = 0; n < points.size(); ++n) {
         fmt::format_to(std::back_inserter(csv), "{},{}", points[n].x, points[n].y);
         Json row = Json::array();
-        for (const auto& jets : *components)
+        for (const auto& jets : components)
             for (std::size_t k = 0; k < count; ++k) {
                 csv += ',';
-                if (at.inside[n]) fmt::format_to(std::back_inserter(csv), "{}", jets[n][k]);
-                if (listed) row.push_back(at.inside[n] ? Json(jets[n][k]) : Json(nullptr));
+                if (inside[n]) fmt::format_to(std::back_inserter(csv), "{}", jets[n][k]);
+                if (listed) row.push_back(inside[n] ? Json(jets[n][k]) : Json(nullptr));
             }
         csv += '\n';
         if (listed) values.push_back(std::move(row));
     }
-    const auto outside = std::count(at.inside.begin(), at.inside.end(), 0);
+    const auto outside = std::count(inside.begin(), inside.end(), 0);
     Outcome outcome;
     if (!options.output.empty()) {
         RELIEF_CHECK(io::write_file_atomically(
@@ -295,8 +322,9 @@ void add_eval(Program& program) {
                  "  relief eval dem.relief --points places.csv --derivatives 2 > heights.csv",
                  [options, &program] { return run(*options, program.globals); });
     verb->add_option("IN", options->in, "the .relief file")->required();
-    verb->add_option("--at", options->at,
-                     "X,Y in the raster's coordinates; column,row without a geotransform")
+    verb->add_option(
+            "--at", options->at,
+            "X,Y in the coordinates of the raster or mesh; column,row without a geotransform")
         ->take_all()
         ->allow_extra_args(false);
     verb->add_option("--points", options->points, "a file of X,Y lines; a heading line is skipped");

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "command.h"
+#include "quad_verbs.h"
 #include "relief/io/file.h"
 #include "relief/io/file_kind.h"
 #include "relief/io/raster.h"
@@ -165,10 +166,13 @@ void add_info(Program& program) {
         program, "info", "Say what is in a file, level by level, and whether its checksums hold.",
         "  relief info dem.relief\n  relief info dem.tif --json",
         [path, &program]() -> Result<Outcome> {
-            if (io::recognise(*path) == io::FileKind::Relief) return info_of_relief(*path);
+            const io::FileKind kind = io::recognise(*path);
+            if (kind == io::FileKind::Mesh) return info_of_mesh(*path);
+            if (holds_quads(*path)) return info_of_quads(*path);
+            if (kind == io::FileKind::Relief) return info_of_relief(*path);
             return info_of_raster(*path, program.globals);
         });
-    verb->add_option("IN", *path, "a .relief file or a raster")->required();
+    verb->add_option("IN", *path, "a .relief file, a raster or a mesh")->required();
 }
 
 }  // namespace relief::cli

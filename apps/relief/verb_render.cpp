@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "command.h"
+#include "quad_verbs.h"
 #include "relief/io/file_kind.h"
 #include "relief/io/picture.h"
 #include "relief/io/png.h"
@@ -148,6 +149,12 @@ Result<io::Image> draw(const Render& options, const Raster& raster, const Global
 }
 
 Result<Outcome> run(const Render& options, const Globals& globals) {
+    if (is_mesh(options.in))
+        return Error{
+            ErrorCode::Unsupported,
+            "is a mesh; pictures are drawn of rasters. Evaluate it on a grid of points with "
+            "'relief eval' first",
+            options.in};
     io::Image image;
     const bool relief_file = io::recognise(options.in) == io::FileKind::Relief;
     if (options.level && !relief_file)

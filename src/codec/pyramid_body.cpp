@@ -137,6 +137,9 @@ class PyramidBody final : public RasterBody {
     double bound(int level) const override { return surface_bound(level); }
 
     double surface_bound(int level) const override {
+        const bool whole = container_.complete_chunks() == container_.chunks().size();
+        if (level == 0 && whole && header_.goal.kind != Goal::Kind::MaxError)
+            return header_.max_error;  // not rounded as in the directory
         if (level >= finest_level()) return bound_of(level, layers_, layers_);
         // Known if the prefix ends with a layer.
         std::size_t layer = 0;

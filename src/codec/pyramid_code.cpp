@@ -19,6 +19,8 @@ constexpr double kLayerGrowth = 1.25;
 /// All layers but the last may take this part of the file for their entries in the directory: of
 /// so many bytes for a chunk, or for one that is empty.
 constexpr double kLayerShare = 0.01;
+/// The first layer holds so many times what its entries take.
+constexpr double kLeastContent = 8;
 constexpr double kEntry = 8;
 constexpr double kEmptyEntry = 3;
 
@@ -219,7 +221,7 @@ std::vector<int> choose_layers(const std::vector<CodedStream>& streams) {
         double cost = 0;
         for (const CodedStream& stream : streams)
             cost += std::any_of(stream.begin(), stream.end(), begun(plane)) ? kEntry : kEmptyEntry;
-        if (size == 0 || below < kLayerGrowth * size || cost > share) continue;
+        if (size < kLeastContent * cost || below < kLayerGrowth * size || cost > share) continue;
         layers.insert(layers.begin(), plane);
         share -= cost;
         below = size;

@@ -9,6 +9,7 @@
 #include "codec/corrections.h"
 #include "codec/pyramid_code.h"
 #include "codec/pyramid_encode.h"
+#include "codec/quantised_refit.h"
 #include "codec/raster_header.h"
 #include "relief/codec/container.h"
 #include "relief/codec/fill.h"
@@ -25,6 +26,8 @@ using multires::Planes;
 constexpr double kRefitThreshold = 0.55;
 /// Samples up to here leave room for what filters add.
 constexpr double kLargestSample = 1e45;
+/// Beyond it all values are 0.
+constexpr double kLargestStep = 1e99;
 /// Bounds below so many of a float type's steps may cost more than exactness.
 constexpr double kNearlyExact = 64;
 
@@ -102,7 +105,7 @@ double mean_of(const Grid<double>& plane) {
 /// Not below x >= 0.
 double rounded_up(double x, int digits) {
     const double nearest = rounded(x, digits);
-    return nearest >= x ? nearest : rounded(x * (1 + 2 * std::pow(10.0, -digits)), digits);
+    return nearest >= x ? nearest : rounded(x * (1 + 0.5 * std::pow(10.0, 1 - digits)), digits);
 }
 
 /// One way to code the raster: quantised coefficients, the surface they give, how far it is off,
@@ -199,8 +202,6 @@ class Encoder {
         return search_bounded(0);
     }
 
-    // --- candidates
-    // -----------------------------------------------------------------------------------------------
 
     Planes<double> surface_of(const Candidate& candidate, int plane = 0, int finest_level = 0) {
         reconstruct(candidate.quantised, candidate.coding, plane, finest_level, scratch_);
@@ -215,7 +216,8 @@ class Encoder {
     Candidate quantised(const Pyramid<double>& pyramid, double step) const {
         Candidate candidate;
         candidate.coding.means = means_;
-        candidate.coding.step = rounded_up(std::max(step, least_step(pyramid, means_)), 6);
+        const double least = least_step(pyramid, means_);
+        candidate.coding.step = rounded_up(std::clamp(step, least, kLargestStep), 6);
         candidate.quantised = quantise(pyramid, candidate.coding);
         return candidate;
     }
@@ -244,6 +246,7 @@ class Encoder {
             apply(selection, chosen);
             refit(chosen, selection, target_, 8);
         }
+        refit_quantised(chosen, {.step = step, .means = means_}, target_);
         return chosen;
     }
 
@@ -270,8 +273,6 @@ class Encoder {
         return file.ok() ? file->size() : std::numeric_limits<std::uint64_t>::max();
     }
 
-    // --- goals
-    // ----------------------------------------------------------------------------------------------------
 
     Result<Candidate> keep() {
         const double share = options_.goal.value / 100;
@@ -399,32 +400,38 @@ class Encoder {
         return std::move(best.candidate);
     }
 
-    /// The unit whose file with corrections is smallest, by a golden-section-like walk over factors
-    /// of the bound.
+    /// The file with the step, in units of the bound, that makes it smallest with corrections:
+    /// found without least squares, by a walk with falling ratios.
     Result<Corrected> search_corrected(double bound) {
         const bool exact = bound == 0;
         const double quantum = smallest_step();
         const double scale = std::max(exact ? quantum : bound, quantum);
         Corrected best;
         double factor = exact ? 2.0 : 2.35;
-        const auto attempt = [&](double f) -> Result<bool> {
-            RELIEF_TRY(Candidate candidate, at_step(f * scale));
+        // Returns whether it is the smallest so far.
+        const auto attempt = [&](const Pyramid<double>& pyramid, double f) -> Result<bool> {
+            Candidate candidate = quantised(pyramid, f * scale);
+            RELIEF_CHECK(code(candidate));
             candidate.corrections = make_corrections(raster_, candidate.surface, bound);
             const std::uint64_t size = size_of(candidate);
             if (size >= best.size) return false;
             best = {std::move(candidate), size};
             return true;
         };
-        RELIEF_TRY([[maybe_unused]] const bool first, attempt(factor));
+        RELIEF_TRY([[maybe_unused]] const bool first, attempt(pyramid_, factor));
         for (double ratio = 2; ratio > 1.1; ratio = std::sqrt(ratio)) {
             if (cancelled(0.3)) return cancelled_error();
-            RELIEF_TRY(const bool coarser, attempt(factor * ratio));
+            RELIEF_TRY(const bool coarser, attempt(pyramid_, factor * ratio));
             if (coarser) {
                 factor *= ratio;
                 continue;
             }
-            RELIEF_TRY(const bool finer, attempt(factor / ratio));
+            RELIEF_TRY(const bool finer, attempt(pyramid_, factor / ratio));
             if (finer) factor /= ratio;
+        }
+        if (options_.effort != Effort::Select) {
+            RELIEF_TRY([[maybe_unused]] const bool refitted,
+                       attempt(improved(factor * scale), factor));
         }
         return best;
     }
@@ -441,8 +448,6 @@ class Encoder {
         return std::max(largest * epsilon, 1e-290);
     }
 
-    // --- file
-    // -----------------------------------------------------------------------------------------------------
 
     /// The file of a candidate whose chunks are coded.
     /// layer_errors: largest ones, one for each layer; none if they are not known yet.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "codec/lattice_encode.h"
@@ -17,6 +18,10 @@ using Kind = Goal::Kind;
 using multires::SchemeId;
 using multires::SchemeSpec;
 
+/// Where the open loop may keep a bound with fewer bytes, and has the memory: bits a sample, and
+/// samples.
+constexpr double kOpenLoopBits = 1;
+constexpr std::int64_t kOpenLoopSamples = std::int64_t{1} << 24;
 constexpr std::size_t kCopyBlock = std::size_t{1} << 20;
 
 Status check(const RasterSource& source, const Goal& goal) {
@@ -56,26 +61,41 @@ class LatticeWriter {
                   Spool& spool)
         : source_(source), options_(options), sink_(sink), spool_(spool) {}
 
-    /// False: the samples do not fit its integers; nothing was written.
-    Result<bool> run() {
+    /// False: the samples do not fit its integers.
+    Result<bool> encode() {
         const double bound = options_.goal.kind == Kind::MaxError ? options_.goal.value : 0;
         RELIEF_TRY(const Survey seen, survey(source_, options_.progress));
         LatticeCoding coding;
         coding.profile = options_.profile;
         RELIEF_TRY(const bool fits, choose_domains(source_, seen, bound, coding));
         if (!fits) return false;
-        RELIEF_TRY(const LatticeEncoding encoding,
+        RELIEF_TRY(encoding_,
                    encode_lattice(source_, seen, std::move(coding),
                                   {options_.profile, bound, true, options_.progress}, spool_));
-        RELIEF_CHECK(write(encoding));
-        report_.bound = options_.goal.kind == Kind::MaxError ? bound : encoding.max_error;
+        RELIEF_CHECK(make_head());
+        report_.bound = options_.goal.kind == Kind::MaxError ? bound : encoding_.max_error;
         return true;
     }
 
+    /// Of the file; known once it is encoded.
     [[nodiscard]] const EncodeReport& report() const { return report_; }
 
+    Status write() {
+        RELIEF_CHECK(sink_.write(head_));
+        Bytes block;
+        for (const SpooledChunk& chunk : encoding_.chunks)
+            for (std::uint64_t at = 0; at < chunk.info.length; at += block.size()) {
+                block.resize(static_cast<std::size_t>(
+                    std::min<std::uint64_t>(kCopyBlock, chunk.info.length - at)));
+                RELIEF_CHECK(spool_.read(chunk.place + at, block));
+                RELIEF_CHECK(sink_.write(block));
+            }
+        return {};
+    }
+
   private:
-    Status write(const LatticeEncoding& encoding) {
+    Status make_head() {
+        const LatticeEncoding& encoding = encoding_;
         const Raster& about = source_.description();
         const TileTree tree(about.rows, about.cols);
         RasterHeader header;
@@ -91,16 +111,7 @@ class LatticeWriter {
 
         std::vector<ChunkInfo> chunks(1);  // no edits
         for (const SpooledChunk& chunk : encoding.chunks) chunks.push_back(chunk.info);
-        RELIEF_TRY(const Bytes head, container_head(write_header(header), chunks));
-        RELIEF_CHECK(sink_.write(head));
-        Bytes block;
-        for (const SpooledChunk& chunk : encoding.chunks)
-            for (std::uint64_t at = 0; at < chunk.info.length; at += block.size()) {
-                block.resize(static_cast<std::size_t>(
-                    std::min<std::uint64_t>(kCopyBlock, chunk.info.length - at)));
-                RELIEF_CHECK(spool_.read(chunk.place + at, block));
-                RELIEF_CHECK(sink_.write(block));
-            }
+        RELIEF_TRY(head_, container_head(write_header(header), chunks));
 
         report_.spec = header.spec;
         report_.closed_loop = true;
@@ -110,7 +121,7 @@ class LatticeWriter {
         report_.coefficients = report_.samples;
         report_.kept = encoding.nonzero;
         report_.corrected = encoding.repairs;
-        report_.bytes = head.size();
+        report_.bytes = head_.size();
         for (const SpooledChunk& chunk : encoding.chunks) report_.bytes += chunk.info.length;
         report_.bits_per_sample =
             8.0 * static_cast<double>(report_.bytes) / static_cast<double>(report_.samples);
@@ -125,19 +136,35 @@ class LatticeWriter {
     const EncodeOptions& options_;
     ByteSink& sink_;
     Spool& spool_;
+    LatticeEncoding encoding_;
+    Bytes head_;
     EncodeReport report_;
 };
 
-Result<EncodeReport> encode_open(const RasterSource& source, const SchemeSpec& spec,
-                                 const EncodeOptions& options, ByteSink& sink) {
+Result<EncodedRaster> encode_open(const RasterSource& source, const SchemeSpec& spec,
+                                  const EncodeOptions& options) {
     const Raster& about = source.description();
     RELIEF_TRY(Raster raster, source.read({0, 0, about.rows, about.cols}));
     Raster whole = description_of(about);
     whole.planes = std::move(raster.planes);
     whole.mask = std::move(raster.mask);
-    RELIEF_TRY(const EncodedRaster encoded, encode_pyramid(whole, spec, options));
-    RELIEF_CHECK(sink.write(encoded.bytes));
-    return encoded.report;
+    return encode_pyramid(whole, spec, options);
+}
+
+/// The open loop where it may be smaller than a closed-loop file: at loose bounds; none if the
+/// raster is too large for its memory, or it turns out larger.
+Result<std::optional<EncodedRaster>> encode_looser(const RasterSource& source,
+                                                   const EncodeOptions& options,
+                                                   const EncodeReport& closed) {
+    if (options.goal.kind != Kind::MaxError || closed.max_error == 0 ||
+        closed.bits_per_sample > kOpenLoopBits || closed.samples > kOpenLoopSamples)
+        return std::optional<EncodedRaster>();
+    EncodeOptions quiet = options;
+    if (options.progress) quiet.progress = [&](double) { return options.progress(1); };
+    auto open = encode_open(source, {.id = SchemeId::Cubic}, quiet);
+    if (!open.ok() && open.error().code == ErrorCode::Cancelled) return open.error();
+    if (!open.ok() || open->bytes.size() >= closed.bytes) return std::optional<EncodedRaster>();
+    return std::optional<EncodedRaster>(*std::move(open));
 }
 
 }  // namespace
@@ -148,11 +175,20 @@ Result<EncodeReport> encode_raster(const RasterSource& source, const EncodeOptio
     SchemeSpec spec = options.spec.value_or(best_scheme(options.goal));
     if (spec.id == SchemeId::Fvs && is_bound(options.goal)) {
         LatticeWriter writer(source, options, sink, spool);
-        RELIEF_TRY(const bool done, writer.run());
-        if (done) return writer.report();
+        RELIEF_TRY(const bool fits, writer.encode());
+        if (fits) {
+            std::optional<EncodedRaster> open;
+            if (!options.spec) {
+                RELIEF_TRY(open, encode_looser(source, options, writer.report()));
+            }
+            RELIEF_CHECK(open ? sink.write(open->bytes) : writer.write());
+            return open ? open->report : writer.report();
+        }
         spec = {.id = SchemeId::Cubic};
     }
-    return encode_open(source, spec, options, sink);
+    RELIEF_TRY(const EncodedRaster encoded, encode_open(source, spec, options));
+    RELIEF_CHECK(sink.write(encoded.bytes));
+    return encoded.report;
 }
 
 Result<EncodedRaster> encode_raster(const Raster& raster, const EncodeOptions& options) {

@@ -42,7 +42,7 @@ class Info(Case):
         self.assertEqual(bounds[0], report["bound"])
         self.assertEqual(bounds, sorted(bounds))
         kinds = [chunk["kind"] for chunk in info["chunks"]]
-        self.assertEqual(kinds, ["scaling", "details", "details", "correction"])
+        self.assertEqual((kinds[0], kinds[-1]), ("scaling", "correction"))
         self.assertIn("within 0.5 of the original", self.text("info", file))
 
     def test_rasters(self):

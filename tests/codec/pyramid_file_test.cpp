@@ -13,22 +13,30 @@ namespace {
 using multires::SchemeId;
 using Kind = Goal::Kind;
 
+/// Terrain: noise on lattices of spacing 2^k, larger on coarser ones, interpolated.
 Raster landscape(std::int64_t rows, std::int64_t cols, int components = 1) {
     Raster raster;
     raster.rows = rows;
     raster.cols = cols;
     raster.type = SampleType::Float32;
-    test::Noise noise(11);
-    for (int k = 0; k < components; ++k) {
-        Grid<double> plane(rows, cols);
+    for (int p = 0; p < components; ++p) {
+        Grid<double> plane(rows, cols, 900.0);
+        for (int k = 0; k < 8; ++k) {
+            const auto nodes =
+                test::noise_grid<double>((rows >> k) + 2, (cols >> k) + 2, 9 * k + p);
+            const double height = 3 * std::pow(1.7, k);
+            for (std::int64_t r = 0; r < rows; ++r)
+                for (std::int64_t c = 0; c < cols; ++c) {
+                    const double y = std::ldexp(double(r), -k) - double(r >> k);
+                    const double x = std::ldexp(double(c), -k) - double(c >> k);
+                    const auto along = [&](std::int64_t i) {
+                        return (1 - x) * nodes(i, c >> k) + x * nodes(i, (c >> k) + 1);
+                    };
+                    plane(r, c) += height * ((1 - y) * along(r >> k) + y * along((r >> k) + 1));
+                }
+        }
         for (std::int64_t r = 0; r < rows; ++r)
-            for (std::int64_t c = 0; c < cols; ++c) {
-                const auto y = static_cast<double>(r + 40 * k);
-                const auto x = static_cast<double>(c);
-                const double hills = 300 * std::sin(0.011 * x) * std::cos(0.013 * y) +
-                                     40 * std::sin(0.09 * x - 0.06 * y);
-                plane(r, c) = static_cast<float>(900 + hills + 3 * noise());
-            }
+            for (std::int64_t c = 0; c < cols; ++c) plane(r, c) = static_cast<float>(plane(r, c));
         raster.planes.push_back(std::move(plane));
     }
     return raster;
@@ -42,7 +50,7 @@ const Raster& large() {
 
 const Bytes& large_file() {
     static const Bytes file = encode_raster(large(), {.spec = {{.id = SchemeId::Cubic}},
-                                                      .goal = {Kind::RmsError, 1},
+                                                      .goal = {Kind::RmsError, 0.7},
                                                       .effort = Effort::Select})
                                   ->bytes;
     return file;
@@ -56,9 +64,9 @@ TEST(PyramidFile, EndsOfLayersHaveTheirBoundAndErrorsFall) {
     const ContainerReader container = *ContainerReader::open(large_file());
     std::vector<std::uint64_t> ends;
     for (const ChunkInfo& chunk : container.chunks())
-        if (chunk.length > 0 && std::isfinite(chunk.bound))
+        if (std::isfinite(chunk.bound) && (ends.empty() || chunk.length > 0))
             ends.push_back(chunk.offset + chunk.length);
-    ASSERT_GE(ends.size(), 4U);
+    ASSERT_GE(ends.size(), 3U);
     EXPECT_EQ(ends.back(), large_file().size());
     double last = 1e9;
     double last_bound = 1e9;
@@ -75,7 +83,7 @@ TEST(PyramidFile, EndsOfLayersHaveTheirBoundAndErrorsFall) {
         last = found.rms_error;
         last_bound = *file->bound(0);
     }
-    EXPECT_LE(last, 1);
+    EXPECT_LE(last, 0.7);
 }
 
 TEST(PyramidFile, EveryPrefixDecodesAndMoreBytesTellMore) {
@@ -101,9 +109,9 @@ TEST(PyramidFile, EveryPrefixDecodesAndMoreBytesTellMore) {
 
 TEST(PyramidFile, WindowsAreCropsToTheBit) {
     for (const bool exact : {false, true}) {
-        const Bytes bytes = exact ? encode_raster(landscape(300, 340, 2),
+        const Bytes bytes = exact ? encode_raster(landscape(120, 140, 2),
                                                   {.spec = {{.id = SchemeId::Cubic, .exact = true}},
-                                                   .goal = {Kind::RmsError, 3}})
+                                                   .goal = {Kind::RmsError, 0.7}})
                                         ->bytes
                                   : large_file();
         const auto file = *RasterFile::open(bytes);
@@ -161,7 +169,7 @@ TEST(PyramidFile, DamageCostsATileAndIsNamed) {
     const ContainerReader container = *ContainerReader::open(large_file());
     const Raster whole = *RasterFile::open(large_file())->decode(0);
     int hurt = 0;
-    for (std::size_t k = 2; k < container.chunks().size(); k += 7) {
+    for (std::size_t k = 2; k < container.chunks().size(); k += 5) {
         const ChunkInfo& chunk = container.chunks()[k];
         if (chunk.length == 0) continue;
         Bytes bytes = large_file();

@@ -1,0 +1,225 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "quad_verbs.h"
+#include "relief/io/file.h"
+#include "relief/io/file_kind.h"
+#include "relief/io/mesh.h"
+
+namespace relief::cli {
+
+namespace {
+
+constexpr std::string_view kQuadrangulation = "quadrangulation";
+
+Result<codec::QuadMesh> quads_of(const io::PolygonMesh& polygons, const std::string& path) {
+    codec::QuadMesh mesh{polygons.vertices, {}};
+    for (std::int64_t k = 0; k < polygons.polygon_count(); ++k) {
+        const auto polygon = polygons.polygon(k);
+        if (polygon.size() != 4)
+            return Error{ErrorCode::BadInput,
+                         fmt::format("not_a_quad: it has {} corners; split every n-gon into n "
+                                     "quads at its centre first",
+                                     polygon.size()),
+                         fmt::format("{}, polygon {}", path, k)};
+        auto& quad = mesh.quads.emplace_back();
+        std::copy(polygon.begin(), polygon.end(), quad.begin());
+    }
+    return mesh;
+}
+
+io::PolygonMesh polygons_of(const codec::QuadMesh& mesh) {
+    io::PolygonMesh polygons;
+    polygons.vertices = mesh.vertices;
+    for (const auto& quad : mesh.quads) {
+        std::array<std::int32_t, 4> corners{};
+        std::copy(quad.begin(), quad.end(), corners.begin());
+        polygons.add_polygon(corners);
+    }
+    return polygons;
+}
+
+}  // namespace
+
+bool holds_quads(const std::string& path) {
+    if (io::recognise(path) != io::FileKind::Relief) return false;
+    const auto source = io::open_source(path);
+    if (!source.ok()) return false;
+    const auto content = codec::content_of(*source);
+    return content.ok() && *content == kQuadrangulation;
+}
+
+bool is_mesh(const std::string& path) {
+    return io::recognise(path) == io::FileKind::Mesh || holds_quads(path);
+}
+
+Result<codec::QuadFile> open_quads(const std::string& path,
+                                   std::optional<std::uint64_t> max_bytes) {
+    RELIEF_TRY(Bytes bytes, io::read_file(path));
+    auto file =
+        codec::QuadFile::open(std::make_shared<MemorySource>(std::move(bytes)),
+                              max_bytes.value_or(std::numeric_limits<std::uint64_t>::max()));
+    if (!file.ok()) return located(file.error(), path);
+    return file;
+}
+
+Result<codec::QuadMesh> read_quads(const std::string& path) {
+    if (io::recognise(path) == io::FileKind::Mesh) {
+        RELIEF_TRY(const io::PolygonMesh polygons, io::read_mesh(path));
+        return quads_of(polygons, path);
+    }
+    RELIEF_TRY(const codec::QuadFile file, open_quads(path));
+    auto mesh = file.decode(0);
+    if (!mesh.ok()) return located(mesh.error(), path);
+    return mesh;
+}
+
+Result<Outcome> decode_quads(const std::string& in, const std::string& out, int level,
+                             std::optional<std::uint64_t> max_bytes) {
+    const Stopwatch watch;
+    RELIEF_TRY(const codec::QuadFile file, open_quads(in, max_bytes));
+    const auto mesh = file.decode(level);
+    if (!mesh.ok()) return located(mesh.error(), in);
+    RELIEF_CHECK(io::write_mesh(out, polygons_of(*mesh)));
+    const auto bound = file.bound(level);
+    const auto surface = file.surface_bound(level);
+    Outcome outcome;
+    outcome.json = Json{{"samples", mesh->vertices.size()},
+                        {"bytes_read", file.bytes_for(level)},
+                        {"level", level},
+                        {"bound", bound ? json_number(*bound) : Json(nullptr)},
+                        {"surface_bound", surface ? json_number(*surface) : Json(nullptr)},
+                        {"quads", mesh->quads.size()},
+                        {"finest_level", file.finest_level()},
+                        {"seconds", watch.seconds()}};
+    outcome.text = fmt::format("{}: {} vertices, {} quads of level {}, {} bytes read\n", out,
+                               grouped(static_cast<std::int64_t>(mesh->vertices.size())),
+                               grouped(static_cast<std::int64_t>(mesh->quads.size())), level,
+                               grouped(static_cast<std::int64_t>(file.bytes_for(level))));
+    if (surface)
+        outcome.text +=
+            fmt::format("its surface is within {} of the original one\n", shown(*surface));
+    return outcome;
+}
+
+Result<Outcome> info_of_quads(const std::string& path) {
+    RELIEF_TRY(const codec::QuadFile file, open_quads(path));
+    const auto optional = [](std::optional<double> number) {
+        return number ? json_number(*number) : Json(nullptr);
+    };
+    Json levels = Json::array();
+    for (int level = 0; level <= file.levels(); ++level)
+        levels.push_back(Json{{"level", level},
+                              {"vertices", file.counts(level).vertices},
+                              {"quads", file.counts(level).quads},
+                              {"bytes", file.bytes_for(level)},
+                              {"bound", optional(file.bound(level))},
+                              {"surface_bound", optional(file.surface_bound(level))}});
+    Json chunks = Json::array();
+    for (const auto& chunk : file.chunks())
+        chunks.push_back(Json{{"kind", chunk.kind},
+                              {"level", chunk.level},
+                              {"bytes", chunk.bytes},
+                              {"count", chunk.count},
+                              {"max_error", json_number(chunk.max_error)}});
+    Json bands = Json::array();
+    for (int level = file.levels(); level >= 0; --level) {
+        const std::uint64_t coarser = level == file.levels() ? 0 : file.counts(level + 1).vertices;
+        bands.push_back(Json{{"name", file.holds_values() ? "values" : "coefficients"},
+                             {"level", level},
+                             {"vertices", file.counts(level).vertices - coarser},
+                             {"step", file.step()}});
+    }
+    const bool sound = file.checksums_ok();
+    Outcome outcome;
+    outcome.json = Json{{"format", "relief"},
+                        {"content", kQuadrangulation},
+                        {"version", file.version()},
+                        {"scheme", "fvs"},
+                        {"order", 3},
+                        {"levels", file.levels()},
+                        {"vertices", file.counts(0).vertices},
+                        {"quads", file.counts(0).quads},
+                        {"type", file.holds_values() ? Json(file.lattice()) : Json(nullptr)},
+                        {"bands", bands},
+                        {"level_list", levels},
+                        {"chunks", chunks},
+                        {"bytes", file.size()},
+                        {"max_error", json_number(file.max_error())},
+                        {"rms_error", json_number(file.rms_error())},
+                        {"bound", optional(file.bound(0))},
+                        {"surface_bound", optional(file.surface_bound(0))},
+                        {"edits", file.moves().size()},
+                        {"crs", ""},
+                        {"extent", file.extent()},
+                        {"checksums_ok", sound}};
+    outcome.text = fmt::format(
+        "{}: relief version {}, {} bytes, checksums {}\n"
+        "quadrangulation of {} vertices and {} quads, scheme fvs, {} levels, {}\n",
+        path, file.version(), grouped(static_cast<std::int64_t>(file.size())),
+        sound ? "hold" : "DO NOT HOLD", grouped(static_cast<std::int64_t>(file.counts(0).vertices)),
+        grouped(static_cast<std::int64_t>(file.counts(0).quads)), file.levels(),
+        file.holds_values() ? "values at vertices" : "coefficients");
+    if (file.edited())
+        outcome.text += fmt::format("edited by {} move{}\n", file.moves().size(),
+                                    file.moves().size() == 1 ? "" : "s");
+    else
+        outcome.text += fmt::format("vertices within {} of the original (rms {})\n",
+                                    shown(file.max_error()), shown(file.rms_error()));
+    outcome.text += "level     vertices        quads      bytes to read   surface within\n";
+    for (const Json& level : levels)
+        outcome.text += fmt::format(
+            "{:5} {:>12} {:>12} {:>18}   {}\n", level["level"].get<int>(),
+            grouped(level["vertices"].get<std::int64_t>()),
+            grouped(level["quads"].get<std::int64_t>()),
+            grouped(level["bytes"].get<std::int64_t>()),
+            level["surface_bound"].is_null() ? "-" : shown(level["surface_bound"].get<double>()));
+    return outcome;
+}
+
+Result<Outcome> info_of_mesh(const std::string& path) {
+    RELIEF_TRY(const io::PolygonMesh mesh, io::read_mesh(path));
+    std::array<double, 3> low{INFINITY, INFINITY, INFINITY};
+    std::array<double, 3> high{-INFINITY, -INFINITY, -INFINITY};
+    for (const auto& vertex : mesh.vertices)
+        for (std::size_t k = 0; k < 3; ++k) {
+            low[k] = std::min(low[k], vertex[k]);
+            high[k] = std::max(high[k], vertex[k]);
+        }
+    std::int64_t quads = 0;
+    for (std::int64_t k = 0; k < mesh.polygon_count(); ++k) quads += mesh.polygon(k).size() == 4;
+    std::error_code ignored;
+    const auto bytes = std::filesystem::file_size(path, ignored);
+    Outcome outcome;
+    outcome.json = Json{{"format", "mesh"},
+                        {"version", nullptr},
+                        {"scheme", nullptr},
+                        {"order", nullptr},
+                        {"levels", 0},
+                        {"vertices", mesh.vertices.size()},
+                        {"polygons", mesh.polygon_count()},
+                        {"quads", quads},
+                        {"bands", Json::array()},
+                        {"bytes", bytes},
+                        {"bound", nullptr},
+                        {"crs", ""},
+                        {"extent", Json::array({json_number(low[0]), json_number(low[1]),
+                                                json_number(high[0]), json_number(high[1])})},
+                        {"min", json_number(low[2])},
+                        {"max", json_number(high[2])},
+                        {"checksums_ok", nullptr}};
+    outcome.text = fmt::format("{}: mesh of {} vertices and {} polygons, {} of them quads\n", path,
+                               grouped(static_cast<std::int64_t>(mesh.vertices.size())),
+                               grouped(mesh.polygon_count()), grouped(quads));
+    outcome.text +=
+        fmt::format("x {} .. {}, y {} .. {}, z {} .. {}\n", shown(low[0]), shown(high[0]),
+                    shown(low[1]), shown(high[1]), shown(low[2]), shown(high[2]));
+    return outcome;
+}
+
+}  // namespace relief::cli

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <charconv>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "relief/core/result.h"
+
+/// Line by line through text formats, with errors that name the line.
+namespace relief::io::detail {
+
+/// Words of one line, separated by blanks.
+class Words {
+  public:
+    explicit Words(std::string_view line) : rest_(line) { skip_blanks(); }
+
+    [[nodiscard]] bool empty() const { return rest_.empty(); }
+    /// The next word; empty at the end.
+    std::string_view next() {
+        const std::string_view word = rest_.substr(0, rest_.find_first_of(kBlanks));
+        rest_.remove_prefix(word.size());
+        skip_blanks();
+        return word;
+    }
+
+  private:
+    static constexpr std::string_view kBlanks = " \t\r\v\f";
+    void skip_blanks() {
+        const std::size_t first = rest_.find_first_not_of(kBlanks);
+        rest_.remove_prefix(first == std::string_view::npos ? rest_.size() : first);
+    }
+    std::string_view rest_;
+};
+
+/// Whether the whole word is a number, which is then in `value`; a leading + is allowed.
+template <class Number>
+bool parse_number(std::string_view word, Number& value) {
+    if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    return error == std::errc() && end == word.data() + word.size();
+}
+
+/// The lines that say something: without comments, not blank.
+class Lines {
+  public:
+    Lines(std::string_view text, const std::string& name) : rest_(text), name_(name) {}
+
+    /// The next line; false at the end of the text.
+    bool next(Words& words) {
+        while (!rest_.empty()) {
+            const std::string_view line = rest_.substr(0, rest_.find('\n'));
+            rest_.remove_prefix(line.size() < rest_.size() ? line.size() + 1 : line.size());
+            ++number_;
+            words = Words(line.substr(0, line.find('#')));
+            if (!words.empty()) return true;
+        }
+        return false;
+    }
+
+    [[nodiscard]] std::int64_t number() const { return number_; }
+    [[nodiscard]] std::size_t bytes_left() const { return rest_.size(); }
+    /// An error of the line that was read last.
+    [[nodiscard]] Error error(std::string message) const {
+        return error_at(number_, std::move(message));
+    }
+    [[nodiscard]] Error error_at(std::int64_t line, std::string message) const {
+        return {ErrorCode::BadInput, std::move(message), name_ + ", line " + std::to_string(line)};
+    }
+
+  private:
+    std::string_view rest_;
+    const std::string& name_;
+    std::int64_t number_ = 0;
+};
+
+/// A word for messages: short, and printable.
+inline std::string quoted(std::string_view word) {
+    std::string text = "'" + std::string(word.substr(0, 40)) + "'";
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 0x20) c = '?';
+    return text;
+}
+
+}  // namespace relief::io::detail
