@@ -146,7 +146,8 @@ inline void explore(const RasterFile& file) {
         (void)file.surface_bound(level);
         require(file.bytes_for(level) <= file.size());
         const auto raster = file.decode(level);
-        explore_window(file, level, raster);
+        // A window of an open-loop file is cut from its whole raster.
+        if (file.closed_loop() || level == 0) explore_window(file, level, raster);
         if (!raster.ok()) continue;
         require(raster->rows == (file.layout().rows + (std::int64_t{1} << level) - 1) >> level);
         for (const Grid<double>& plane : raster->planes)

@@ -24,7 +24,8 @@ class Parts {
     }
     std::span<const std::uint8_t> part() {
         const std::size_t low = byte();
-        const std::size_t length = std::min<std::size_t>(low | byte() << 8U, bytes_.size());
+        const std::size_t claimed = low | static_cast<std::size_t>(byte()) << 8;
+        const std::size_t length = std::min(claimed, bytes_.size());
         const auto taken = bytes_.first(length);
         bytes_ = bytes_.subspan(length);
         return taken;

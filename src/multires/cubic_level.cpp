@@ -85,7 +85,8 @@ class RowLifting {
 
   private:
     void fill_mirror(Parity parity, std::int64_t halo, T* row) const {
-        const auto [first, last] = cols_.pairs;
+        const std::int64_t first = cols_.pairs.first;
+        const std::int64_t last = cols_.pairs.last;
         const auto fill = [&](std::int64_t j) {
             row[j - first] = row[cols_.mirrored(parity, j) - first];
         };
