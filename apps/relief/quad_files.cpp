@@ -44,6 +44,48 @@ io::PolygonMesh polygons_of(const codec::QuadMesh& mesh) {
     return polygons;
 }
 
+Json optional_json(std::optional<double> number) {
+    return number ? json_number(*number) : Json(nullptr);
+}
+
+Json levels_json(const codec::QuadFile& file) {
+    Json levels = Json::array();
+    for (int level = 0; level <= file.levels(); ++level)
+        levels.push_back(Json{{"level", level},
+                              {"vertices", file.counts(level).vertices},
+                              {"quads", file.counts(level).quads},
+                              {"bytes", file.bytes_for(level)},
+                              {"bound", optional_json(file.bound(level))},
+                              {"surface_bound", optional_json(file.surface_bound(level))}});
+    return levels;
+}
+
+Json chunks_json(const codec::QuadFile& file) {
+    Json chunks = Json::array();
+    for (const auto& chunk : file.chunks())
+        chunks.push_back(Json{{"kind", chunk.kind},
+                              {"level", chunk.level},
+                              {"bytes", chunk.bytes},
+                              {"count", chunk.count},
+                              {"max_error", json_number(chunk.max_error)}});
+    return chunks;
+}
+
+/// The vertices that each level adds.
+Json bands_json(const codec::QuadFile& file) {
+    Json bands = Json::array();
+    std::uint64_t coarser = 0;
+    for (int level = file.levels(); level >= 0; --level) {
+        const std::uint64_t vertices = file.counts(level).vertices;
+        bands.push_back(Json{{"name", file.holds_values() ? "values" : "coefficients"},
+                             {"level", level},
+                             {"vertices", vertices - coarser},
+                             {"step", file.step()}});
+        coarser = vertices;
+    }
+    return bands;
+}
+
 }  // namespace
 
 bool holds_quads(const std::string& path) {
@@ -86,14 +128,13 @@ Result<Outcome> decode_quads(const std::string& in, const std::string& out, int 
     const auto mesh = file.decode(level);
     if (!mesh.ok()) return located(mesh.error(), in);
     RELIEF_CHECK(io::write_mesh(out, polygons_of(*mesh)));
-    const auto bound = file.bound(level);
     const auto surface = file.surface_bound(level);
     Outcome outcome;
     outcome.json = Json{{"samples", mesh->vertices.size()},
                         {"bytes_read", file.bytes_for(level)},
                         {"level", level},
-                        {"bound", bound ? json_number(*bound) : Json(nullptr)},
-                        {"surface_bound", surface ? json_number(*surface) : Json(nullptr)},
+                        {"bound", optional_json(file.bound(level))},
+                        {"surface_bound", optional_json(surface)},
                         {"quads", mesh->quads.size()},
                         {"finest_level", file.finest_level()},
                         {"seconds", watch.seconds()}};
@@ -109,32 +150,7 @@ Result<Outcome> decode_quads(const std::string& in, const std::string& out, int 
 
 Result<Outcome> info_of_quads(const std::string& path) {
     RELIEF_TRY(const codec::QuadFile file, open_quads(path));
-    const auto optional = [](std::optional<double> number) {
-        return number ? json_number(*number) : Json(nullptr);
-    };
-    Json levels = Json::array();
-    for (int level = 0; level <= file.levels(); ++level)
-        levels.push_back(Json{{"level", level},
-                              {"vertices", file.counts(level).vertices},
-                              {"quads", file.counts(level).quads},
-                              {"bytes", file.bytes_for(level)},
-                              {"bound", optional(file.bound(level))},
-                              {"surface_bound", optional(file.surface_bound(level))}});
-    Json chunks = Json::array();
-    for (const auto& chunk : file.chunks())
-        chunks.push_back(Json{{"kind", chunk.kind},
-                              {"level", chunk.level},
-                              {"bytes", chunk.bytes},
-                              {"count", chunk.count},
-                              {"max_error", json_number(chunk.max_error)}});
-    Json bands = Json::array();
-    for (int level = file.levels(); level >= 0; --level) {
-        const std::uint64_t coarser = level == file.levels() ? 0 : file.counts(level + 1).vertices;
-        bands.push_back(Json{{"name", file.holds_values() ? "values" : "coefficients"},
-                             {"level", level},
-                             {"vertices", file.counts(level).vertices - coarser},
-                             {"step", file.step()}});
-    }
+    const Json levels = levels_json(file);
     const bool sound = file.checksums_ok();
     Outcome outcome;
     outcome.json = Json{{"format", "relief"},
@@ -146,14 +162,14 @@ Result<Outcome> info_of_quads(const std::string& path) {
                         {"vertices", file.counts(0).vertices},
                         {"quads", file.counts(0).quads},
                         {"type", file.holds_values() ? Json(file.lattice()) : Json(nullptr)},
-                        {"bands", bands},
+                        {"bands", bands_json(file)},
                         {"level_list", levels},
-                        {"chunks", chunks},
+                        {"chunks", chunks_json(file)},
                         {"bytes", file.size()},
                         {"max_error", json_number(file.max_error())},
                         {"rms_error", json_number(file.rms_error())},
-                        {"bound", optional(file.bound(0))},
-                        {"surface_bound", optional(file.surface_bound(0))},
+                        {"bound", optional_json(file.bound(0))},
+                        {"surface_bound", optional_json(file.surface_bound(0))},
                         {"edits", file.moves().size()},
                         {"crs", ""},
                         {"extent", file.extent()},
