@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "codec/embedded_mixing.h"
 #include "codec/probability.h"
 #include "codec/range_coder.h"
 
@@ -39,14 +40,14 @@ struct NumberModel {
     static constexpr std::uint32_t kUnknown = 12;  ///< class where there is nothing around
 
     /// [kind][class][length], [class][length]
-    std::vector<Slot> near, far, both;
+    std::vector<Chance> near, far, both;
     std::array<std::array<Slot, 3>, kKinds> sign;
     std::array<std::array<Slot, kLengths + 1>, 2> lead;  ///< the bits behind the leading one
-    std::array<MixWeights<3>, kKinds> mix;
-    std::array<Refinement, kLengths> refinement;
+    std::array<Blend<3>, kKinds> by_kind;
+    std::array<Blend<3>, kLengths> by_length;
 
     NumberModel() {
-        const std::vector<Slot> one_kind = slots_of_all_classes();
+        const std::vector<Chance> one_kind = chances_of_all_classes();
         both = one_kind;
         for (std::uint32_t kind = 0; kind < kKinds; ++kind)
             near.insert(near.end(), one_kind.begin(), one_kind.end());
@@ -72,8 +73,8 @@ struct NumberModel {
 
   private:
     /// Magnitudes of mean e decay like (e / (e + 1))^|q|; a start that few numbers never outgrow.
-    static std::vector<Slot> slots_of_all_classes() {
-        std::vector<Slot> slots;
+    static std::vector<Chance> chances_of_all_classes() {
+        std::vector<Chance> chances;
         for (std::uint32_t c = 0; c < kClasses; ++c) {
             const std::uint64_t eighths =
                 1 + (c < 2 ? c : std::uint64_t{2 + (c & 1)} << (c / 2) >> 1);
@@ -82,10 +83,10 @@ struct NumberModel {
             for (std::uint32_t length = 0; length < kLengths; ++length) {
                 if (length > 1) longer = longer * longer >> 32;
                 longer = std::max<std::uint64_t>(longer, 1 << 20);
-                slots.emplace_back(longer, 3);
+                chances.push_back({static_cast<std::uint32_t>(longer), 3});
             }
         }
-        return slots;
+        return chances;
     }
 };
 
@@ -119,11 +120,11 @@ class NumberCoder {
         std::uint32_t length = 0;
         while (length < NumberModel::kLengths) {
             const bool longer =
-                code_mixed<3>(coder_, bits > length,
-                              {&model_.near[NumberModel::place(kind, near_class, length)],
-                               &model_.far[NumberModel::place(kind, far_class, length)],
-                               &model_.both[NumberModel::place(all_class, length)]},
-                              model_.mix[kind], model_.refinement[length]);
+                code_blended<3>(coder_, bits > length,
+                                {&model_.near[NumberModel::place(kind, near_class, length)],
+                                 &model_.far[NumberModel::place(kind, far_class, length)],
+                                 &model_.both[NumberModel::place(all_class, length)]},
+                                model_.by_kind[kind], model_.by_length[length]);
             if (!longer) break;
             ++length;
         }
