@@ -21,13 +21,6 @@ LatticeBox in_level(const LatticeBox& box, int shift) {
             level_size(box.col0 + box.cols, shift) - col0};
 }
 
-LatticeBox common(const LatticeBox& a, const LatticeBox& b) {
-    const std::int64_t row0 = std::max(a.row0, b.row0);
-    const std::int64_t col0 = std::max(a.col0, b.col0);
-    return {row0, col0, std::min(a.row0 + a.rows, b.row0 + b.rows) - row0,
-            std::min(a.col0 + a.cols, b.col0 + b.cols) - col0};
-}
-
 }  // namespace
 
 LatticeChunks::LatticeChunks(const TileTree& tree, std::size_t first) : tree_(tree) {
@@ -110,7 +103,7 @@ Result<TileState> LatticeFile::start(int tier, std::int64_t number, Tile& about)
                            GridView<std::int32_t> out) {
         for (const auto& [tile, decoded] : around) {
             const LatticeBox inside = tree_.box(tier + 1, tile);
-            const LatticeBox part = common(inside, wanted);
+            const LatticeBox part = intersection(inside, wanted);
             for (std::int64_t r = 0; r < part.rows; ++r)
                 if (part.cols > 0)
                     std::copy_n(
@@ -234,7 +227,7 @@ void LatticeFile::copy_tile(const Tile& tile, int tier, std::int64_t number, int
     const int shift = level - TileTree::kTierLevels * tier;
     const LatticeBox box = tree_.box(tier, number);
     const LatticeBox have = in_level(box, shift);
-    const LatticeBox part = common(have, window);
+    const LatticeBox part = intersection(have, window);
     if (part.rows <= 0 || part.cols <= 0) return;
     const std::int64_t step = std::int64_t{1} << (level - tile.state.levels[0].level);
     for (std::size_t p = 0; p < out.planes.size(); ++p) {

@@ -196,7 +196,7 @@ TEST(HostileBytes, HeaderMembersOutOfRangeAreNamed) {
              {"/components", "5", "components"},
              {"/components", "4294967297", "components"},
              {"/type", "\"int128\"", "int128"},
-             {"/mask", "false", "mask"},
+             {"/mask", "false", "chunks"},
              {"/mask", "1", "mask"},
              {"/scheme/levels", "4294967298", "levels"},
              {"/scheme/levels", "-1", "levels"},
