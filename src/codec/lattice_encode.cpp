@@ -4,7 +4,8 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <mutex>
+#include <map>
+#include <optional>
 #include <string>
 
 #include "codec/tile_start.h"
@@ -125,10 +126,8 @@ class Encoder {
 
     Result<EncodedTile> encode(const LatticeCoding& coding, const CoarseTiers& coarse, int tier,
                                std::int64_t tile, const TileSamples& samples, TileCare care) const {
-        return encode_tile(
-            coding, tree_, tier, tile, samples, start(coding, coarse, tier, tile),
-            care == TileCare::Trial ? TileState() : start(coding, coarse, tier, tile),
-            options_.bound, care);
+        return encode_tile(coding, tree_, tier, tile, samples, start(coding, coarse, tier, tile),
+                           start(coding, coarse, tier, tile), options_.bound, care);
     }
 
     Result<CoarseTiers> encode_coarse(const LatticeCoding& coding) const {
@@ -170,78 +169,97 @@ class Encoder {
         return {};
     }
 
-    /// Samples of one tile, read on their own.
-    Result<TileSamples> read_tile(const LatticeCoding& coding, std::int64_t tile) const {
-        const LatticeBox box = tree_.box(0, tile);
-        RELIEF_TRY(const Raster strip, source_.read(box));
-        return cut(coding, strip, {0, 0, box.rows, box.cols}, 1);
-    }
-
-    /// Encodes a few tiles to see whether finer steps on coarse levels make the file smaller.
+    /// Encodes a few tiles to see whether finer steps on coarse levels make the file smaller; they
+    /// are kept as they are part of the file.
     Status choose_tightening() {
         LatticeCoding& coding = result_.coding;
         coding.tightening = 1;
         RELIEF_TRY(coarse_, encode_coarse(coding));
-        const std::int64_t tiles = tree_.tier(0).tiles();
-        const std::int64_t trials = std::min(kTrialTiles, tiles);
         const bool lossless_steps =
             std::all_of(coding.domains.begin(), coding.domains.end(),
                         [](const IntegerDomain& domain) { return domain.step == 1; });
         if (lossless_steps) return {};
-        std::vector<TileSamples> samples;
+        const std::int64_t tiles = tree_.tier(0).tiles();
+        const std::int64_t trials = std::min(kTrialTiles, tiles);
+        std::vector<Trial> plain(static_cast<std::size_t>(trials));
         std::int64_t count = 0;
         for (std::int64_t k = 0; k < trials; ++k) {
-            RELIEF_TRY(samples.emplace_back(), read_tile(coding, trial_tile(k, trials, tiles)));
-            const TileSamples& last = samples.back();
-            std::int64_t valid = last.values[0].count();
-            if (!last.valid.empty()) {
-                valid = 0;
-                for (std::int64_t r = 0; r < last.valid.rows(); ++r)
-                    valid +=
-                        std::count(last.valid.row(r), last.valid.row(r) + last.valid.cols(), 1);
-            }
-            count += valid * static_cast<std::int64_t>(coding.domains.size());
+            Trial& trial = plain[static_cast<std::size_t>(k)];
+            trial.number = (2 * k + 1) * tiles / (2 * trials);
+            RELIEF_TRY(trial.strip, source_.read(tree_.box(0, trial.number)));
+            count += trial.strip.valid_count() * static_cast<std::int64_t>(coding.domains.size());
         }
         const double tight = kLooseBits / 8 * static_cast<double>(count);
-        RELIEF_TRY(const double plain, trial_size(coding, coarse_, samples, tiles, tight));
-        if (plain >= tight) return {};
+        RELIEF_TRY(const double plain_size, encode_trials(coding, coarse_, plain, tight));
+        if (plain_size >= tight) {
+            keep(plain);
+            return {};
+        }
         LatticeCoding tightened = coding;
         tightened.tightening = kTightening;
         RELIEF_TRY(CoarseTiers finer, encode_coarse(tightened));
-        RELIEF_TRY(double size, trial_size(tightened, finer, samples, tiles,
-                                           std::numeric_limits<double>::infinity()));
+        std::vector<Trial> fine(plain.size());
+        for (std::size_t k = 0; k < plain.size(); ++k)
+            fine[k] = {plain[k].number, std::move(plain[k].strip), {}};
+        RELIEF_TRY(double size,
+                   encode_trials(tightened, finer, fine, std::numeric_limits<double>::infinity()));
         // Coarse tiers weigh as much as they do in the whole file.
         const double share = static_cast<double>(trials) / static_cast<double>(tiles);
         size += share * static_cast<double>(finer.size);
-        if (size > 1.002 * (plain + share * static_cast<double>(coarse_.size))) return {};
+        const bool pays = size <= 1.002 * (plain_size + share * static_cast<double>(coarse_.size));
+        keep(pays ? fine : plain);
+        if (!pays) return {};
         coding.tightening = kTightening;
         coarse_ = std::move(finer);
         return {};
     }
 
-    static std::int64_t trial_tile(std::int64_t k, std::int64_t trials, std::int64_t tiles) {
-        return (2 * k + 1) * tiles / (2 * trials);
-    }
+    /// A tile that is encoded before the others.
+    struct Trial {
+        std::int64_t number = 0;
+        Raster strip;  ///< its samples
+        std::optional<EncodedTile> tile;
+    };
 
     /// The size of the trial tiles; where it reaches `enough`, perhaps of some of them only.
-    Result<double> trial_size(const LatticeCoding& coding, const CoarseTiers& coarse,
-                              const std::vector<TileSamples>& samples, std::int64_t tiles,
-                              double enough) const {
-        const auto trials = static_cast<std::int64_t>(samples.size());
-        std::vector<Status> failed(samples.size());
+    Result<double> encode_trials(const LatticeCoding& coding, const CoarseTiers& coarse,
+                                 std::vector<Trial>& trials, double enough) const {
+        std::vector<Status> failed(trials.size());
         std::atomic<std::uint64_t> size = 0;
-        parallel_for(0, trials, 1, [&](std::int64_t k, std::int64_t) {
-            if (static_cast<double>(size) >= enough) return;
-            const auto at = static_cast<std::size_t>(k);
-            auto tile = encode(coding, coarse, 0, trial_tile(k, trials, tiles), samples[at],
-                               TileCare::Trial);
-            if (tile.ok())
-                size += size_of(*tile);
-            else
-                failed[at] = tile.error();
-        });
+        parallel_for(0, static_cast<std::int64_t>(trials.size()), 1,
+                     [&](std::int64_t k, std::int64_t) {
+                         if (static_cast<double>(size) >= enough) return;
+                         Trial& trial = trials[static_cast<std::size_t>(k)];
+                         auto tile = encode_finest_tile(coding, coarse, trial.number, trial.strip,
+                                                        tree_.box(0, trial.number));
+                         if (!tile.ok()) {
+                             failed[static_cast<std::size_t>(k)] = tile.error();
+                             return;
+                         }
+                         size += size_of(*tile);
+                         trial.tile = *std::move(tile);
+                     });
         for (const Status& status : failed) RELIEF_CHECK(status);
         return static_cast<double>(size);
+    }
+
+    void keep(std::vector<Trial>& trials) {
+        for (Trial& trial : trials)
+            if (trial.tile) kept_.emplace(trial.number, *std::move(trial.tile));
+    }
+
+    /// A tile whose samples are in a strip that has the raster's box `strip_box`.
+    Result<EncodedTile> encode_finest_tile(const LatticeCoding& coding, const CoarseTiers& coarse,
+                                           std::int64_t number, const Raster& strip,
+                                           const LatticeBox& strip_box) const {
+        LatticeBox box = tree_.box(0, number);
+        box.row0 -= strip_box.row0;
+        box.col0 -= strip_box.col0;
+        RELIEF_TRY(EncodedTile tile,
+                   encode(coding, coarse, 0, number, cut(coding, strip, box, 1),
+                          options_.measure_coarse ? TileCare::Measured : TileCare::Verified));
+        tile.state = {};
+        return tile;
     }
 
     /// Rows of tiles, as many at a time as give every thread work.
@@ -271,15 +289,16 @@ class Encoder {
         std::vector<Status> failed(static_cast<std::size_t>(count));
         std::vector<EncodedTile> tiles(static_cast<std::size_t>(count));
         parallel_for(0, count, 1, [&](std::int64_t k, std::int64_t) {
-            LatticeBox box = tree_.box(0, first + k);
-            box.row0 -= strip_box.row0;
-            auto tile =
-                encode(result_.coding, coarse_, 0, first + k, cut(result_.coding, strip, box, 1),
-                       options_.measure_coarse ? TileCare::Measured : TileCare::Verified);
+            const auto at = static_cast<std::size_t>(k);
+            if (const auto kept = kept_.find(first + k); kept != kept_.end()) {
+                tiles[at] = std::move(kept->second);
+                return;
+            }
+            auto tile = encode_finest_tile(result_.coding, coarse_, first + k, strip, strip_box);
             if (tile.ok())
-                tiles[static_cast<std::size_t>(k)] = *std::move(tile);
+                tiles[at] = *std::move(tile);
             else
-                failed[static_cast<std::size_t>(k)] = tile.error();
+                failed[at] = tile.error();
         });
         result_.coarse_energy += coarse_energy(strip, strip_box.row0, survey_, about_);
         for (std::int64_t k = 0; k < count; ++k) {
@@ -343,7 +362,8 @@ class Encoder {
     Spool& spool_;
     TileTree tree_;
     CoarseTiers coarse_;
-    std::vector<Tiles> spooled_;  ///< [tier]
+    std::map<std::int64_t, EncodedTile> kept_;  ///< finest tiles that trials have encoded
+    std::vector<Tiles> spooled_;                ///< [tier]
     LatticeEncoding result_;
 };
 

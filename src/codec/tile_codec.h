@@ -128,13 +128,12 @@ struct EncodedTile {
 
 /// How much is done about a tile beside writing it. The bytes are the same.
 enum class TileCare : std::uint8_t {
-    Trial,     ///< nothing
     Verified,  ///< the bytes are decoded again and compared
     Measured,  ///< and the coarse_errors are found
 };
 
 /// Encodes a tile; samples that are off by more than `bound` are repaired. `start`: as top_state or
-/// the tier above gives it; `check` the same for the decoder, unless it is a trial. Errors:
+/// the tier above gives it; `check` the same for the decoder. Errors:
 /// BadInput when the decoder disagrees (a broken machine); never otherwise.
 [[nodiscard]] Result<EncodedTile> encode_tile(const LatticeCoding& coding, const TileTree& tree,
                                               int tier, std::int64_t tile,
