@@ -48,18 +48,6 @@ double lattice_step(double bound, double unit, double rounding) {
 
 }  // namespace
 
-void IntegerDomain::integers(const double* samples, std::int64_t n, std::int32_t* out) const {
-    // Numbers from here on have no fraction: the addition rounds, faster than a call of nearbyint.
-    constexpr double no_fraction = kExact / 2;
-    const double top = highest;
-    for (std::int64_t k = 0; k < n; ++k) {
-        double v = samples[k] / unit - origin;
-        v = v > 0 ? v : 0;  // NaN too
-        v = v < top ? v : top;
-        out[k] = static_cast<std::int32_t>(v + no_fraction - no_fraction);
-    }
-}
-
 void SampleStatistics::add(double sample) {
     if (count++ == 0) {
         lowest = highest = sample;

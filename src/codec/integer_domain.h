@@ -21,8 +21,6 @@ struct IntegerDomain {
     bool outliers = false;  ///< samples lie outside and are repaired (the encoder's knowledge)
 
     [[nodiscard]] double value(std::int32_t v) const { return unit * (origin + v); }
-    /// out[k] = the v nearest to samples[k], ties to even, clamped to 0 .. highest; 0 for NaN.
-    void integers(const double* samples, std::int64_t n, std::int32_t* out) const;
 };
 
 /// What must be known of all valid samples of a component.

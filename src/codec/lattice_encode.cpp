@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
+#include <cstring>
 #include <limits>
 #include <map>
 #include <optional>
 #include <string>
 
+#include "codec/sample_rows.h"
 #include "codec/tile_start.h"
 #include "relief/core/parallel.h"
 
@@ -32,39 +33,51 @@ std::uint64_t size_of(const EncodedTile& tile) {
 }
 
 /// The mask of a part of a strip; empty if it has no hole.
-Grid<std::uint8_t> cut_mask(const Raster& strip, const LatticeBox& box, std::int64_t stride) {
+Grid<std::uint8_t> cut_mask(const Raster& strip, const LatticeBox& box) {
     if (strip.mask.empty()) return {};
     Grid<std::uint8_t> valid(box.rows, box.cols);
     bool holes = false;
     for (std::int64_t r = 0; r < box.rows; ++r) {
-        const std::uint8_t* from = strip.mask.row((box.row0 + r) * stride) + box.col0 * stride;
-        for (std::int64_t c = 0; c < box.cols; ++c) {
-            valid(r, c) = from[c * stride] != 0;
-            holes |= from[c * stride] == 0;
-        }
+        const std::uint8_t* from = strip.mask.row(box.row0 + r) + box.col0;
+        std::transform(from, from + box.cols, valid.row(r),
+                       [](std::uint8_t v) { return static_cast<std::uint8_t>(v != 0); });
+        holes = holes || std::memchr(valid.row(r), 0, static_cast<std::size_t>(box.cols));
     }
     return holes ? std::move(valid) : Grid<std::uint8_t>();
 }
 
-/// A part of a strip of samples as integers.
-TileSamples cut(const LatticeCoding& coding, const Raster& strip, const LatticeBox& box,
-                std::int64_t stride) {
+/// A part of a strip of samples as integers; the strip must outlive it.
+TileSamples cut(const LatticeCoding& coding, const Raster& strip, const LatticeBox& box) {
     TileSamples samples;
-    samples.valid = cut_mask(strip, box, stride);
+    samples.valid = cut_mask(strip, box);
     for (std::size_t p = 0; p < coding.domains.size(); ++p) {
-        const IntegerDomain& domain = coding.domains[p];
-        Grid<double> originals(box.rows, box.cols);
+        const Grid<double>& plane = strip.planes[p];
+        const GridView<const double> originals(plane.row(box.row0) + box.col0, box.rows, box.cols,
+                                               plane.stride());
         Grid<std::int32_t> values(box.rows, box.cols);
-        for (std::int64_t r = 0; r < box.rows; ++r) {
-            const double* from = strip.planes[p].row((box.row0 + r) * stride) + box.col0 * stride;
-            double* original = originals.row(r);
-            for (std::int64_t c = 0; c < box.cols; ++c) original[c] = from[c * stride];
-            domain.integers(original, box.cols, values.row(r));
-        }
-        samples.originals.push_back(std::move(originals));
+        for (std::int64_t r = 0; r < box.rows; ++r)
+            integer_row(originals.row(r), box.cols, coding.domains[p], values.row(r));
+        samples.originals.push_back(originals);
         samples.values.push_back(std::move(values));
     }
     return samples;
+}
+
+/// Every 8th sample of both axes.
+Raster thinned(const Raster& raster) {
+    constexpr std::int64_t step = std::int64_t{1} << TileTree::kTierLevels;
+    Raster coarse;
+    coarse.rows = level_size(raster.rows, TileTree::kTierLevels);
+    coarse.cols = level_size(raster.cols, TileTree::kTierLevels);
+    const auto pick = [&]<class T>(const Grid<T>& from) {
+        Grid<T> to(coarse.rows, coarse.cols);
+        for (std::int64_t r = 0; r < to.rows(); ++r)
+            for (std::int64_t c = 0; c < to.cols(); ++c) to(r, c) = from(r * step, c * step);
+        return to;
+    };
+    for (const Grid<double>& plane : raster.planes) coarse.planes.push_back(pick(plane));
+    if (!raster.mask.empty()) coarse.mask = pick(raster.mask);
+    return coarse;
 }
 
 /// The tiers above the finest, encoded: their lattices as decoded, and what their coders learnt.
@@ -89,6 +102,7 @@ class Encoder {
           spool_(spool),
           tree_(about_.rows, about_.cols) {
         result_.coding = std::move(coding);
+        for (int k = 2; k < tree_.tiers(); ++k) coarser_.push_back(thinned(lattice(k - 1)));
     }
 
     Result<LatticeEncoding> run() {
@@ -109,6 +123,11 @@ class Encoder {
 
   private:
     using Tiles = std::vector<std::vector<SpooledChunk>>;  ///< [tile][chunk of the tile]
+
+    /// The samples of tier k > 0.
+    [[nodiscard]] const Raster& lattice(int k) const {
+        return k == 1 ? survey_.coarse : coarser_[static_cast<std::size_t>(k - 2)];
+    }
 
     [[nodiscard]] TileState start(const LatticeCoding& coding, const CoarseTiers& coarse, int tier,
                                   std::int64_t tile) const {
@@ -155,8 +174,7 @@ class Encoder {
     Status encode_coarse_tile(const LatticeCoding& coding, CoarseTiers& coarse, int k,
                               std::int64_t number) const {
         const LatticeBox box = tree_.box(k, number);
-        const std::int64_t stride = std::int64_t{1} << (TileTree::kTierLevels * (k - 1));
-        const TileSamples samples = cut(coding, survey_.coarse, box, stride);
+        const TileSamples samples = cut(coding, lattice(k), box);
         RELIEF_TRY(EncodedTile tile,
                    encode(coding, coarse, k, number, samples, TileCare::Verified));
         CoarseTiers::Tier& tier = coarse.tiers[static_cast<std::size_t>(k - 1)];
@@ -256,7 +274,7 @@ class Encoder {
         box.row0 -= strip_box.row0;
         box.col0 -= strip_box.col0;
         RELIEF_TRY(EncodedTile tile,
-                   encode(coding, coarse, 0, number, cut(coding, strip, box, 1),
+                   encode(coding, coarse, 0, number, cut(coding, strip, box),
                           options_.measure_coarse ? TileCare::Measured : TileCare::Verified));
         tile.state = {};
         return tile;
@@ -361,6 +379,7 @@ class Encoder {
     const LatticeOptions& options_;
     Spool& spool_;
     TileTree tree_;
+    std::vector<Raster> coarser_;  ///< samples of tiers 2 ..
     CoarseTiers coarse_;
     std::map<std::int64_t, EncodedTile> kept_;  ///< finest tiles that trials have encoded
     std::vector<Tiles> spooled_;                ///< [tier]

@@ -1,14 +1,15 @@
 #include "codec/tile_codec.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <string>
 
 #include "codec/bytes.h"
 #include "codec/lattice_base.h"
 #include "codec/lattice_fill.h"
+#include "codec/sample_rows.h"
 #include "relief/codec/mask_coder.h"
 
 namespace relief::codec {
@@ -17,6 +18,8 @@ namespace {
 
 /// Coarser levels of the top tier share one chunk: they are small.
 constexpr int kSmallLevels = 4;
+/// Rows whose errors are added up at the same time.
+constexpr std::int64_t kRowsTogether = 4;
 
 enum class MaskForm : std::uint8_t { AllValid, NoneValid, Coded };
 
@@ -106,8 +109,7 @@ std::int32_t LatticeCoding::step(std::size_t component, int level) const {
 
 void LatticeCoding::stored(std::size_t component, const std::int32_t* v, std::int64_t n,
                            double* out) const {
-    const IntegerDomain& domain = domains[component];
-    for (std::int64_t k = 0; k < n; ++k) out[k] = domain.value(v[k]);
+    value_row(v, n, domains[component], out);
     stored_row(out, n, type, nodata, out);
 }
 
@@ -344,10 +346,10 @@ class TileEncoder {
     /// The largest distance of a sample from what its integer stands for.
     [[nodiscard]] double largest_outlier(std::size_t component) const {
         const IntegerDomain& domain = coding_.domains[component];
-        const Grid<double>& originals = samples_.originals[component];
+        const GridView<const double>& originals = samples_.originals[component];
         double largest = 0;
-        for (std::int64_t r = 0; r < originals.rows(); ++r)
-            for (std::int64_t c = 0; c < originals.cols(); ++c)
+        for (std::int64_t r = 0; r < originals.rows; ++r)
+            for (std::int64_t c = 0; c < originals.cols; ++c)
                 if (is_valid(r, c))
                     largest = std::max(
                         largest,
@@ -408,63 +410,70 @@ class TileEncoder {
                 filled = codec_.interpolate(level, c, *from);
                 from = &filled;
             }
-            largest = std::max(largest, largest_difference(filled, c));
+            largest = std::max(largest, largest_error(filled, c));
         }
         tile.coarse_errors.push_back(largest);
     }
 
-    double largest_difference(const LatticeLevel& level, std::size_t component) const {
-        std::int64_t largest = 0;
-        for (std::int64_t r = 0; r < level.rows(); ++r) {
-            const std::int32_t* have = level.values.row(r);
-            const std::int32_t* want = samples_.values[component].row(r);
-            const std::uint8_t* valid = level.valid.row(r);
-            std::int32_t row_largest = 0;
-            for (std::int64_t c = 0; c < level.cols(); ++c) {
-                const std::int32_t difference = valid[c] ? std::abs(have[c] - want[c]) : 0;
-                row_largest = std::max(row_largest, difference);
-            }
-            largest = std::max<std::int64_t>(largest, row_largest);
-        }
+    /// Of a level as filled in from the samples.
+    double largest_error(const LatticeLevel& level, std::size_t component) const {
+        std::int32_t largest = 0;
+        for (std::int64_t r = 0; r < level.rows(); ++r)
+            largest = std::max(
+                largest, largest_difference(level.values.row(r), samples_.values[component].row(r),
+                                            valid_row(r), level.cols()));
         // Conversion of samples to integers is half a unit off at most, but for outliers.
         const IntegerDomain& domain = coding_.domains[component];
         return domain.unit * (static_cast<double>(largest) + 0.5) + domain.rounding +
                beyond_[component];
     }
 
+    /// Null: all samples of the row are valid.
+    [[nodiscard]] const std::uint8_t* valid_row(std::int64_t r) const {
+        return samples_.valid.empty() ? nullptr : samples_.valid.row(r);
+    }
+
     /// Errors of the decoded samples; those over the bound become repairs.
     void measure(EncodedTile& tile) const {
         const LatticeBox& box = codec_.box();
+        Grid<double> errors(kRowsTogether, box.cols);
         std::vector<double> stored(static_cast<std::size_t>(box.cols));
-        for (std::size_t c = 0; c < coding_.domains.size(); ++c) {
-            const LatticeLevel& level = tile.state.levels[c];
-            for (std::int64_t r = 0; r < box.rows; ++r) {
-                coding_.stored(c, level.values.row(r), box.cols, stored.data());
-                measure_row(tile, c, r, stored.data());
+        for (std::size_t c = 0; c < coding_.domains.size(); ++c)
+            for (std::int64_t row = 0; row < box.rows; row += kRowsTogether) {
+                const std::int64_t rows = std::min(kRowsTogether, box.rows - row);
+                for (std::int64_t k = 0; k < rows; ++k)
+                    measure_row(tile, c, row + k, stored.data(), errors.row(k));
+                if (bound_ > 0) add_errors(errors, rows, tile.error);
             }
-        }
     }
 
-    void measure_row(EncodedTile& tile, std::size_t component, std::int64_t r,
-                     const double* stored) const {
+    void measure_row(EncodedTile& tile, std::size_t component, std::int64_t r, double* stored,
+                     double* errors) const {
+        const std::int64_t cols = codec_.box().cols;
+        const LatticeLevel& level = tile.state.levels[component];
         const double* wanted = samples_.originals[component].row(r);
-        const std::int16_t* quotients = tile.state.levels[component].quotients.row(r);
-        double square = 0;
-        for (std::int64_t c = 0; c < codec_.box().cols; ++c) {
-            if (!is_valid(r, c)) continue;
-            tile.nonzero += quotients[c] != 0;
-            const double error = std::abs(stored[c] - wanted[c]);
-            const bool within =
-                bound_ == 0 ? error == 0 && std::signbit(stored[c]) == std::signbit(wanted[c])
-                            : error <= bound_;
-            if (within) {
-                tile.error.max = std::max(tile.error.max, error);
-                square += error * error;
-            } else {
+        const std::int16_t* quotients = level.quotients.row(r);
+        tile.nonzero += cols - std::count(quotients, quotients + cols, 0);
+        coding_.stored(component, level.values.row(r), cols, stored);
+        if (error_row(stored, wanted, valid_row(r), cols, bound_, errors)) return;
+        for (std::int64_t c = 0; c < cols; ++c)
+            if (is_valid(r, c) && !is_within(stored[c], wanted[c], bound_)) {
                 repair(tile, component, r, c, wanted[c]);
+                errors[c] = 0;
             }
-        }
-        tile.error.square += square;
+    }
+
+    /// Each row's squares are added up from left to right: several rows at a time, because an
+    /// addition has to wait for the one before.
+    static void add_errors(const Grid<double>& errors, std::int64_t rows, TileError& sum) {
+        std::array<double, kRowsTogether> squares{};
+        for (std::int64_t c = 0; c < errors.cols(); ++c)
+            for (std::int64_t k = 0; k < kRowsTogether; ++k) {
+                const double error = k < rows ? errors(k, c) : 0;
+                squares[static_cast<std::size_t>(k)] += error * error;
+                sum.max = std::max(sum.max, error);
+            }
+        for (const double square : squares) sum.square += square;
     }
 
     /// Samples of the tier above are repaired there.

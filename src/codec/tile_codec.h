@@ -105,9 +105,9 @@ class TileCodec {
 
 /// The samples of a tile, as its encoder has them.
 struct TileSamples {
-    std::vector<Grid<std::int32_t>> values;  ///< one a component
-    std::vector<Grid<double>> originals;     ///< the same before conversion; may be NaN in holes
-    Grid<std::uint8_t> valid;                ///< has holes; empty: all valid
+    std::vector<Grid<std::int32_t>> values;         ///< one a component
+    std::vector<GridView<const double>> originals;  ///< before conversion; may be NaN in holes
+    Grid<std::uint8_t> valid;                       ///< has holes; empty: all valid
 };
 
 struct TileError {
