@@ -159,6 +159,7 @@ class LevelPass {
                 code_sample(row, k, learnt);
             } else {
                 row.values[c] = nearest_integer(in_range(learnt));
+                row.quotients[c] = 0;
                 if (row.rules) row.rules->skip(k);
             }
         }

@@ -90,13 +90,6 @@ std::optional<double> lattice_candidate(int k) {
     return kUnits[static_cast<std::size_t>(k)];
 }
 
-bool off_lattice(double sample, double unit, SampleType type, std::optional<double> nodata,
-                 double bound) {
-    const double value = stored_value(unit * std::nearbyint(sample / unit), type, nodata);
-    if (bound == 0) return value != sample || std::signbit(value) != std::signbit(sample);
-    return !(std::abs(value - sample) <= std::min(1.2e-7 * std::abs(sample), bound));
-}
-
 std::optional<IntegerDomain> make_domain(const SampleStatistics& s, SampleType type, double unit,
                                          double bound) {
     const double rounding = is_integer(type) ? 0 : spacing(largest_magnitude(s), type);

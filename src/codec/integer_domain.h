@@ -37,11 +37,6 @@ struct SampleStatistics {
 /// A lattice on which samples might lie: its unit, to be tried in this order. None: the end.
 [[nodiscard]] std::optional<double> lattice_candidate(int k);
 
-/// A sample that is not what the lattice of `unit` stores for it: it would need a repair.
-/// `bound`: 0 means that bits must agree.
-[[nodiscard]] bool off_lattice(double sample, double unit, SampleType type,
-                               std::optional<double> nodata, double bound);
-
 /// The domain for samples on a lattice (unit > 0) or on none (unit 0). None when 32-bit integers
 /// can not hold the samples at that resolution, or the bound is finer than the type's rounding
 /// allows. bound >= 0.

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "codec/lattice_encode.h"
+#include "codec/sample_rows.h"
 #include "relief/core/parallel.h"
 
 namespace relief::codec {
@@ -23,21 +24,49 @@ bool is_valid(const Raster& strip, std::int64_t r, std::int64_t c) {
     return strip.mask.empty() || strip.mask(r, c) != 0;
 }
 
+/// Null: all samples of the row are valid.
+const std::uint8_t* valid_row(const Raster& strip, std::int64_t r) {
+    return strip.mask.empty() ? nullptr : strip.mask.row(r);
+}
+
 /// Statistics of the rows of a strip, and the first sample that is not a finite number.
 struct RowSurvey {
     std::vector<SampleStatistics> components;
     std::int64_t bad_column = -1;
 };
 
+/// The first valid sample that equals `value`: zeros differ in their sign.
+double first_equal(const double* samples, const std::uint8_t* valid, double value) {
+    std::int64_t c = 0;
+    while (samples[c] != value || (valid && !valid[c])) ++c;
+    return samples[c];
+}
+
+/// As if the samples were added one by one.
+SampleStatistics statistics_of(const double* samples, const std::uint8_t* valid, std::int64_t n,
+                               const RowRange& range) {
+    SampleStatistics statistics;
+    for (std::int64_t c = 0; c < n && statistics.step != 1; ++c)
+        if (!valid || valid[c]) statistics.add(samples[c]);
+    statistics.count = valid ? n - std::count(valid, valid + n, std::uint8_t{0}) : n;
+    if (statistics.count == 0) return statistics;
+    statistics.lowest = first_equal(samples, valid, range.lowest);
+    statistics.highest = first_equal(samples, valid, range.highest);
+    return statistics;
+}
+
 RowSurvey survey_row(const Raster& strip, std::int64_t r) {
     RowSurvey row;
+    const std::uint8_t* valid = valid_row(strip, r);
     for (const Grid<double>& plane : strip.planes) {
-        SampleStatistics& statistics = row.components.emplace_back();
-        for (std::int64_t c = 0; c < strip.cols; ++c) {
-            if (!is_valid(strip, r, c)) continue;
-            if (!std::isfinite(plane(r, c))) row.bad_column = c;
-            statistics.add(plane(r, c));
+        const RowRange range = range_of_row(plane.row(r), valid, strip.cols);
+        if (range.finite) {
+            row.components.push_back(statistics_of(plane.row(r), valid, strip.cols, range));
+            continue;
         }
+        row.components.emplace_back();
+        for (std::int64_t c = 0; c < strip.cols; ++c)
+            if (is_valid(strip, r, c) && !std::isfinite(plane(r, c))) row.bad_column = c;
     }
     return row;
 }
@@ -57,36 +86,30 @@ Status cancelled() {
     return Error{ErrorCode::Cancelled, "encoding was cancelled", ""};
 }
 
-/// How many valid samples are off the lattice, of how many, one component.
-struct Misfits {
-    std::int64_t off = 0;
-    std::int64_t all = 0;
-    [[nodiscard]] bool accepted() const {
-        return static_cast<double>(off) <= kLatticeMisfits * static_cast<double>(all);
-    }
-};
+/// So many of the valid samples may be off a lattice.
+double most_misfits(std::int64_t valid) {
+    return kLatticeMisfits * static_cast<double>(valid);
+}
 
-Misfits misfits(const Raster& strip, std::size_t component, double unit, const Raster& about,
-                double bound) {
+/// How many valid samples of a component are off the lattice of `unit`: each would need a repair.
+/// Where they are more than `most`, perhaps some only.
+std::int64_t misfits(const Raster& strip, std::size_t component, double unit, const Raster& about,
+                     double bound, double most) {
     std::atomic<std::int64_t> off = 0;
-    std::atomic<std::int64_t> all = 0;
     parallel_for(0, strip.rows, 16, [&](std::int64_t first, std::int64_t last) {
-        Misfits some;
-        for (std::int64_t r = first; r < last; ++r)
-            for (std::int64_t c = 0; c < strip.cols; ++c) {
-                if (!is_valid(strip, r, c)) continue;
-                ++some.all;
-                some.off += off_lattice(strip.planes[component](r, c), unit, about.type,
-                                        about.nodata, bound);
-            }
-        off += some.off;
-        all += some.all;
+        std::vector<double> on(static_cast<std::size_t>(strip.cols));
+        for (std::int64_t r = first; r < last && static_cast<double>(off) <= most; ++r) {
+            const double* samples = strip.planes[component].row(r);
+            lattice_row(samples, strip.cols, unit, on.data());
+            stored_row(on.data(), strip.cols, about.type, about.nodata, on.data());
+            off += count_off(on.data(), samples, valid_row(strip, r), strip.cols, bound);
+        }
     });
-    return {off, all};
+    return off;
 }
 
 /// The lattice unit of a component with these statistics; 0: none.
-Result<double> find_unit(const RasterSource& source, const Raster& coarse, std::size_t component,
+Result<double> find_unit(const RasterSource& source, const Survey& seen, std::size_t component,
                          const SampleStatistics& statistics, double bound) {
     const Raster& about = source.description();
     const double largest = std::max(std::abs(statistics.lowest), std::abs(statistics.highest));
@@ -97,17 +120,20 @@ Result<double> find_unit(const RasterSource& source, const Raster& coarse, std::
         const double step = 2 * std::floor(bound / unit) + 1;
         return useful && step * unit >= 2 * std::floor(bound) + 1 ? unit : 1.0;
     }
+    const double most_coarse = most_misfits(seen.coarse.valid_count());
+    const double most = most_misfits(seen.valid);
+    const auto off = [&](const Raster& strip, double unit, double enough) {
+        return static_cast<double>(misfits(strip, component, unit, about, bound, enough));
+    };
     for (int k = 0; const auto unit = lattice_candidate(k); ++k) {
         if (!(*unit > 4.8e-7 * largest)) continue;
-        if (!misfits(coarse, component, *unit, about, bound).accepted()) continue;
-        Misfits all;
-        for (std::int64_t row = 0; row < about.rows; row += kStrip) {
+        if (off(seen.coarse, *unit, most_coarse) > most_coarse) continue;
+        double all = 0;
+        for (std::int64_t row = 0; row < about.rows && all <= most; row += kStrip) {
             RELIEF_TRY(const Raster strip, source.read(strip_box(about, row)));
-            const Misfits some = misfits(strip, component, *unit, about, bound);
-            all.off += some.off;
-            all.all += some.all;
+            all += off(strip, *unit, most - all);
         }
-        if (all.accepted()) return *unit;
+        if (all <= most) return *unit;
     }
     return 0.0;
 }
@@ -131,11 +157,11 @@ Result<Magnitudes> magnitudes(const RasterSource& source, std::size_t component)
 }
 
 /// The domain of a component whose samples have these statistics; none: they do not fit.
-Result<std::optional<IntegerDomain>> fitting_domain(const RasterSource& source,
-                                                    const Raster& coarse, std::size_t component,
+Result<std::optional<IntegerDomain>> fitting_domain(const RasterSource& source, const Survey& seen,
+                                                    std::size_t component,
                                                     const SampleStatistics& statistics,
                                                     double bound) {
-    RELIEF_TRY(const double unit, find_unit(source, coarse, component, statistics, bound));
+    RELIEF_TRY(const double unit, find_unit(source, seen, component, statistics, bound));
     return make_domain(statistics, source.description().type, unit, bound);
 }
 
@@ -144,7 +170,7 @@ Result<std::optional<IntegerDomain>> fitting_domain(const RasterSource& source,
 Result<std::optional<IntegerDomain>> find_domain(const RasterSource& source, const Survey& seen,
                                                  std::size_t component, double bound) {
     const SampleStatistics& all = seen.components[component];
-    RELIEF_TRY(auto domain, fitting_domain(source, seen.coarse, component, all, bound));
+    RELIEF_TRY(auto domain, fitting_domain(source, seen, component, all, bound));
     if (domain) return domain;
     RELIEF_TRY(Magnitudes rest, magnitudes(source, component));
     const auto fewest =
@@ -154,7 +180,7 @@ Result<std::optional<IntegerDomain>> find_domain(const RasterSource& source, con
         SampleStatistics inner;
         for (const auto& [order, statistics] : rest) inner.add(statistics);
         if (inner.count == 0 || inner.count < fewest) return domain;
-        RELIEF_TRY(domain, fitting_domain(source, seen.coarse, component, inner, bound));
+        RELIEF_TRY(domain, fitting_domain(source, seen, component, inner, bound));
         if (!domain) continue;
         domain->outliers = true;
         return domain;
@@ -168,47 +194,49 @@ class CoarsestSurface {
         : strip_(strip),
           survey_(seen),
           about_(about),
-          levels_(TileTree(about.rows, about.cols).levels()) {}
+          levels_(TileTree(about.rows, about.cols).levels()),
+          step_(std::int64_t{1} << levels_),
+          per_cell_(1 / static_cast<double>(step_)) {}
 
     /// Squared distance of row `row` of the raster, which is row r of the strip.
     [[nodiscard]] double energy(std::int64_t r, std::int64_t row) const {
         double sum = 0;
-        const Between down = between(row, about_.rows);
+        const std::int64_t north = row >> levels_ << levels_;
+        const std::int64_t south = next(north, about_.rows);
+        const double down = per_cell_ * static_cast<double>(row - north);
         for (std::size_t p = 0; p < strip_.planes.size(); ++p) {
             const auto line = [&](std::int64_t col) {
-                const double a = sample(p, down.first, col);
-                return a + down.part * (sample(p, down.second, col) - a);
+                const double a = sample(p, north, col);
+                return a + down * (sample(p, south, col) - a);
             };
-            std::int64_t cell = -1;
-            double left = 0;
-            double right = 0;
-            for (std::int64_t c = 0; c < strip_.cols; ++c) {
-                if (!strip_.valid(r, c)) continue;
-                const Between across = between(c, about_.cols);
-                if (across.first != cell) {
-                    left = line(across.first);
-                    right = line(across.second);
-                    cell = across.first;
-                }
-                const double difference =
-                    strip_.planes[p](r, c) - (left + across.part * (right - left));
-                sum += difference * difference;
+            for (std::int64_t west = 0; west < strip_.cols; west += step_) {
+                const double left = line(west);
+                const double right = line(next(west, about_.cols));
+                sum = add_cell(sum, p, r, west, left, right);
             }
         }
         return sum;
     }
 
   private:
-    /// A place between samples of the lattice, along one axis.
-    struct Between {
-        std::int64_t first, second;  ///< samples of the raster
-        double part;
-    };
-    [[nodiscard]] Between between(std::int64_t x, std::int64_t n) const {
-        const std::int64_t step = std::int64_t{1} << levels_;
-        const std::int64_t first = x / step * step;
-        const std::int64_t second = first + step < n ? first + step : first;
-        return {first, second, static_cast<double>(x - first) / static_cast<double>(step)};
+    /// Adds the samples from `west` on up to the next sample of the lattice.
+    [[nodiscard]] double add_cell(double sum, std::size_t p, std::int64_t r, std::int64_t west,
+                                  double left, double right) const {
+        const std::int64_t n = std::min(step_, strip_.cols - west);
+        const double* samples = strip_.planes[p].row(r) + west;
+        const std::uint8_t* valid = valid_row(strip_, r);
+        for (std::int64_t k = 0; k < n; ++k) {
+            if (valid && !valid[west + k]) continue;
+            const double part = per_cell_ * static_cast<double>(k);
+            const double difference = samples[k] - (left + part * (right - left));
+            sum += difference * difference;
+        }
+        return sum;
+    }
+
+    /// The sample of the lattice after one at x, of n along an axis; the last one after itself.
+    [[nodiscard]] std::int64_t next(std::int64_t x, std::int64_t n) const {
+        return x + step_ < n ? x + step_ : x;
     }
 
     /// Holes have the middle value. A raster whose coarsest lattice is finer than the survey's is
@@ -226,6 +254,8 @@ class CoarsestSurface {
     const Survey& survey_;
     const Raster& about_;
     int levels_;
+    std::int64_t step_;
+    double per_cell_;
 };
 
 }  // namespace

@@ -19,6 +19,8 @@ namespace relief::codec {
 
 /// Doubles from here on have no fraction: adding this rounds, ties to even.
 inline constexpr double kNoFraction = 4503599627370496.0;
+/// Relative, of floats.
+inline constexpr double kLatticeRounding = 1.2e-7;
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 inline void integer_row_scalar(const double* samples, std::int64_t n, const IntegerDomain& domain,
@@ -35,6 +37,22 @@ inline void integer_row_scalar(const double* samples, std::int64_t n, const Inte
 inline void value_row_scalar(const std::int32_t* v, std::int64_t n, const IntegerDomain& domain,
                              double* out) {
     for (std::int64_t k = 0; k < n; ++k) out[k] = domain.value(v[k]);
+}
+
+inline void lattice_row_scalar(const double* samples, std::int64_t n, double unit, double* out) {
+    for (std::int64_t k = 0; k < n; ++k) out[k] = unit * std::nearbyint(samples[k] / unit);
+}
+
+inline std::int64_t count_off_scalar(const double* stored, const double* samples,
+                                     const std::uint8_t* valid, std::int64_t n, double bound) {
+    std::int64_t off = 0;
+    for (std::int64_t k = 0; k < n; ++k) {
+        if (valid && !valid[k]) continue;
+        const double most = std::min(kLatticeRounding * std::abs(samples[k]), bound);
+        off += !is_within(stored[k], samples[k], bound) ||
+               (bound > 0 && std::abs(stored[k] - samples[k]) > most);
+    }
+    return off;
 }
 
 inline bool error_row_scalar(const double* decoded, const double* wanted, const std::uint8_t* valid,
@@ -126,11 +144,48 @@ void values(const std::int32_t* v, std::int64_t n, const IntegerDomain& domain, 
     value_row_scalar(v + k, n - k, domain, out + k);
 }
 
+void on_lattice(const double* samples, std::int64_t n, double unit, double* out) {
+    const Doubles d;
+    const auto units = hn::Set(d, unit);
+    std::int64_t k = 0;
+    for (; k + lanes_of(d) <= n; k += lanes_of(d)) {
+        const auto nearest = hn::Round(hn::Div(hn::LoadU(d, samples + k), units));
+        hn::StoreU(hn::Mul(units, nearest), d, out + k);
+    }
+    lattice_row_scalar(samples + k, n - k, unit, out + k);
+}
+
+/// Lanes that keep the bound; `error` is the distance of a and b.
+HWY_INLINE hn::Mask<Doubles> within(hn::Vec<Doubles> a, hn::Vec<Doubles> b, hn::Vec<Doubles> error,
+                                    double bound) {
+    const Doubles d;
+    const hn::Rebind<std::int64_t, Doubles> d64;
+    if (bound > 0) return hn::Le(error, hn::Set(d, bound));
+    return hn::RebindMask(d, hn::Eq(hn::BitCast(d64, a), hn::BitCast(d64, b)));
+}
+
+std::int64_t off(const double* stored, const double* samples, const std::uint8_t* valid,
+                 std::int64_t n, double bound) {
+    const Doubles d;
+    std::int64_t count = 0;
+    std::int64_t k = 0;
+    for (; k + lanes_of(d) <= n; k += lanes_of(d)) {
+        const auto a = hn::LoadU(d, stored + k);
+        const auto b = hn::LoadU(d, samples + k);
+        const auto error = hn::Abs(hn::Sub(a, b));
+        auto on = within(a, b, error, bound);
+        if (bound > 0)
+            on = hn::And(on, hn::Le(error, hn::Mul(hn::Set(d, kLatticeRounding), hn::Abs(b))));
+        const auto here = valid_lanes(valid ? valid + k : nullptr);
+        count += static_cast<std::int64_t>(hn::CountTrue(d, hn::AndNot(on, here)));
+    }
+    return count +
+           count_off_scalar(stored + k, samples + k, valid ? valid + k : nullptr, n - k, bound);
+}
+
 bool errors(const double* decoded, const double* wanted, const std::uint8_t* valid, std::int64_t n,
             double bound, double* out) {
     const Doubles d;
-    const hn::Rebind<std::int64_t, Doubles> d64;
-    const auto limit = hn::Set(d, bound);
     auto over = hn::FirstN(d, 0);
     std::int64_t k = 0;
     for (; k + lanes_of(d) <= n; k += lanes_of(d)) {
@@ -138,10 +193,7 @@ bool errors(const double* decoded, const double* wanted, const std::uint8_t* val
         const auto b = hn::LoadU(d, wanted + k);
         const auto here = valid_lanes(valid ? valid + k : nullptr);
         const auto error = hn::Abs(hn::Sub(a, b));
-        const auto within =
-            bound == 0 ? hn::RebindMask(d, hn::Eq(hn::BitCast(d64, a), hn::BitCast(d64, b)))
-                       : hn::Le(error, limit);
-        over = hn::Or(over, hn::AndNot(within, here));
+        over = hn::Or(over, hn::AndNot(within(a, b, error, bound), here));
         hn::StoreU(hn::IfThenElseZero(here, error), d, out + k);
     }
     const bool rest = error_row_scalar(decoded + k, wanted + k, valid ? valid + k : nullptr, n - k,
@@ -197,6 +249,8 @@ namespace relief::codec {
 namespace {
 HWY_EXPORT(integers);
 HWY_EXPORT(values);
+HWY_EXPORT(on_lattice);
+HWY_EXPORT(off);
 HWY_EXPORT(errors);
 HWY_EXPORT(difference);
 HWY_EXPORT(range);
@@ -211,6 +265,17 @@ void integer_row(const double* samples, std::int64_t n, const IntegerDomain& dom
 void value_row(const std::int32_t* v, std::int64_t n, const IntegerDomain& domain, double* out) {
     if (!simd_enabled()) return value_row_scalar(v, n, domain, out);
     HWY_DYNAMIC_DISPATCH(values)(v, n, domain, out);
+}
+
+void lattice_row(const double* samples, std::int64_t n, double unit, double* out) {
+    if (!simd_enabled()) return lattice_row_scalar(samples, n, unit, out);
+    HWY_DYNAMIC_DISPATCH(on_lattice)(samples, n, unit, out);
+}
+
+std::int64_t count_off(const double* stored, const double* samples, const std::uint8_t* valid,
+                       std::int64_t n, double bound) {
+    if (!simd_enabled()) return count_off_scalar(stored, samples, valid, n, bound);
+    return HWY_DYNAMIC_DISPATCH(off)(stored, samples, valid, n, bound);
 }
 
 bool error_row(const double* decoded, const double* wanted, const std::uint8_t* valid,

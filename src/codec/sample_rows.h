@@ -16,6 +16,14 @@ void integer_row(const double* samples, std::int64_t n, const IntegerDomain& dom
 /// out[k] = domain.value(v[k]).
 void value_row(const std::int32_t* v, std::int64_t n, const IntegerDomain& domain, double* out);
 
+/// out[k] = the multiple of unit nearest to samples[k], ties to even.
+void lattice_row(const double* samples, std::int64_t n, double unit, double* out);
+
+/// How many valid samples a lattice does not give back, as it stores them: not to the bit if bound
+/// is 0, else beyond the bound or beyond rounding.
+std::int64_t count_off(const double* stored, const double* samples, const std::uint8_t* valid,
+                       std::int64_t n, double bound);
+
 /// A decoded sample keeps the bound, which for 0 means the same bits.
 [[nodiscard]] inline bool is_within(double decoded, double wanted, double bound) {
     const double error = std::abs(decoded - wanted);
