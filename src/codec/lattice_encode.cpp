@@ -32,35 +32,42 @@ std::uint64_t size_of(const EncodedTile& tile) {
     return size;
 }
 
-/// The mask of a part of a strip; empty if it has no hole.
-Grid<std::uint8_t> cut_mask(const Raster& strip, const LatticeBox& box) {
-    if (strip.mask.empty()) return {};
-    Grid<std::uint8_t> valid(box.rows, box.cols);
+/// The mask of samples; empty if it has no hole.
+Grid<std::uint8_t> mask_of(const RasterView& samples) {
+    if (!samples.mask.data) return {};
+    Grid<std::uint8_t> valid(samples.rows, samples.cols);
     bool holes = false;
-    for (std::int64_t r = 0; r < box.rows; ++r) {
-        const std::uint8_t* from = strip.mask.row(box.row0 + r) + box.col0;
-        std::transform(from, from + box.cols, valid.row(r),
+    for (std::int64_t r = 0; r < valid.rows(); ++r) {
+        const std::uint8_t* from = samples.mask.row(r);
+        std::transform(from, from + valid.cols(), valid.row(r),
                        [](std::uint8_t v) { return static_cast<std::uint8_t>(v != 0); });
-        holes = holes || std::memchr(valid.row(r), 0, static_cast<std::size_t>(box.cols));
+        holes = holes || std::memchr(valid.row(r), 0, static_cast<std::size_t>(valid.cols()));
     }
     return holes ? std::move(valid) : Grid<std::uint8_t>();
 }
 
-/// A part of a strip of samples as integers; the strip must outlive it.
-TileSamples cut(const LatticeCoding& coding, const Raster& strip, const LatticeBox& box) {
+/// Samples with their integers.
+TileSamples converted(const LatticeCoding& coding, const RasterView& part) {
     TileSamples samples;
-    samples.valid = cut_mask(strip, box);
+    samples.valid = mask_of(part);
+    samples.originals = part.planes;
     for (std::size_t p = 0; p < coding.domains.size(); ++p) {
-        const Grid<double>& plane = strip.planes[p];
-        const GridView<const double> originals(plane.row(box.row0) + box.col0, box.rows, box.cols,
-                                               plane.stride());
-        Grid<std::int32_t> values(box.rows, box.cols);
-        for (std::int64_t r = 0; r < box.rows; ++r)
-            integer_row(originals.row(r), box.cols, coding.domains[p], values.row(r));
-        samples.originals.push_back(originals);
+        Grid<std::int32_t> values(part.rows, part.cols);
+        for (std::int64_t r = 0; r < part.rows; ++r)
+            integer_row(part.planes[p].row(r), part.cols, coding.domains[p], values.row(r));
         samples.values.push_back(std::move(values));
     }
     return samples;
+}
+
+/// A part of a view.
+RasterView part_of(const RasterView& view, const LatticeBox& box) {
+    RasterView part{.rows = box.rows, .cols = box.cols};
+    for (const GridView<const double>& plane : view.planes)
+        part.planes.emplace_back(plane.row(box.row0) + box.col0, box.rows, box.cols, plane.stride);
+    if (view.mask.data)
+        part.mask = {view.mask.row(box.row0) + box.col0, box.rows, box.cols, view.mask.stride};
+    return part;
 }
 
 /// Every 8th sample of both axes.
@@ -174,7 +181,7 @@ class Encoder {
     Status encode_coarse_tile(const LatticeCoding& coding, CoarseTiers& coarse, int k,
                               std::int64_t number) const {
         const LatticeBox box = tree_.box(k, number);
-        const TileSamples samples = cut(coding, lattice(k), box);
+        const TileSamples samples = converted(coding, view_of(lattice(k), box));
         RELIEF_TRY(EncodedTile tile,
                    encode(coding, coarse, k, number, samples, TileCare::Verified));
         CoarseTiers::Tier& tier = coarse.tiers[static_cast<std::size_t>(k - 1)];
@@ -204,8 +211,8 @@ class Encoder {
         for (std::int64_t k = 0; k < trials; ++k) {
             Trial& trial = plain[static_cast<std::size_t>(k)];
             trial.number = (2 * k + 1) * tiles / (2 * trials);
-            RELIEF_TRY(trial.strip, source_.read(tree_.box(0, trial.number)));
-            count += trial.strip.valid_count() * static_cast<std::int64_t>(coding.domains.size());
+            RELIEF_TRY(trial.samples, source_.view(tree_.box(0, trial.number), trial.room));
+            count += trial.samples.valid_count() * static_cast<std::int64_t>(coding.domains.size());
         }
         const double tight = kLooseBits / 8 * static_cast<double>(count);
         RELIEF_TRY(const double plain_size, encode_trials(coding, coarse_, plain, tight));
@@ -218,7 +225,7 @@ class Encoder {
         RELIEF_TRY(CoarseTiers finer, encode_coarse(tightened));
         std::vector<Trial> fine(plain.size());
         for (std::size_t k = 0; k < plain.size(); ++k)
-            fine[k] = {plain[k].number, std::move(plain[k].strip), {}};
+            fine[k] = {plain[k].number, std::move(plain[k].room), plain[k].samples, {}};
         RELIEF_TRY(double size,
                    encode_trials(tightened, finer, fine, std::numeric_limits<double>::infinity()));
         // Coarse tiers weigh as much as they do in the whole file.
@@ -235,7 +242,8 @@ class Encoder {
     /// A tile that is encoded before the others.
     struct Trial {
         std::int64_t number = 0;
-        Raster strip;  ///< its samples
+        Raster room;
+        RasterView samples;
         std::optional<EncodedTile> tile;
     };
 
@@ -244,19 +252,18 @@ class Encoder {
                                  std::vector<Trial>& trials, double enough) const {
         std::vector<Status> failed(trials.size());
         std::atomic<std::uint64_t> size = 0;
-        parallel_for(0, static_cast<std::int64_t>(trials.size()), 1,
-                     [&](std::int64_t k, std::int64_t) {
-                         if (static_cast<double>(size) >= enough) return;
-                         Trial& trial = trials[static_cast<std::size_t>(k)];
-                         auto tile = encode_finest_tile(coding, coarse, trial.number, trial.strip,
-                                                        tree_.box(0, trial.number));
-                         if (!tile.ok()) {
-                             failed[static_cast<std::size_t>(k)] = tile.error();
-                             return;
-                         }
-                         size += size_of(*tile);
-                         trial.tile = *std::move(tile);
-                     });
+        parallel_for(
+            0, static_cast<std::int64_t>(trials.size()), 1, [&](std::int64_t k, std::int64_t) {
+                if (static_cast<double>(size) >= enough) return;
+                Trial& trial = trials[static_cast<std::size_t>(k)];
+                auto tile = encode_finest_tile(coding, coarse, trial.number, trial.samples);
+                if (!tile.ok()) {
+                    failed[static_cast<std::size_t>(k)] = tile.error();
+                    return;
+                }
+                size += size_of(*tile);
+                trial.tile = *std::move(tile);
+            });
         for (const Status& status : failed) RELIEF_CHECK(status);
         return static_cast<double>(size);
     }
@@ -266,15 +273,10 @@ class Encoder {
             if (trial.tile) kept_.emplace(trial.number, *std::move(trial.tile));
     }
 
-    /// A tile whose samples are in a strip that has the raster's box `strip_box`.
     Result<EncodedTile> encode_finest_tile(const LatticeCoding& coding, const CoarseTiers& coarse,
-                                           std::int64_t number, const Raster& strip,
-                                           const LatticeBox& strip_box) const {
-        LatticeBox box = tree_.box(0, number);
-        box.row0 -= strip_box.row0;
-        box.col0 -= strip_box.col0;
+                                           std::int64_t number, const RasterView& samples) const {
         RELIEF_TRY(EncodedTile tile,
-                   encode(coding, coarse, 0, number, cut(coding, strip, box),
+                   encode(coding, coarse, 0, number, converted(coding, samples),
                           options_.measure_coarse ? TileCare::Measured : TileCare::Verified));
         tile.state = {};
         return tile;
@@ -303,7 +305,8 @@ class Encoder {
         const LatticeBox top = tree_.box(0, first);
         const LatticeBox bottom = tree_.box(0, first + count - 1);
         const LatticeBox strip_box{top.row0, 0, bottom.row0 + bottom.rows - top.row0, about_.cols};
-        RELIEF_TRY(const Raster strip, source_.read(strip_box));
+        Raster room;
+        RELIEF_TRY(const RasterView strip, source_.view(strip_box, room));
         std::vector<Status> failed(static_cast<std::size_t>(count));
         std::vector<EncodedTile> tiles(static_cast<std::size_t>(count));
         parallel_for(0, count, 1, [&](std::int64_t k, std::int64_t) {
@@ -312,7 +315,9 @@ class Encoder {
                 tiles[at] = std::move(kept->second);
                 return;
             }
-            auto tile = encode_finest_tile(result_.coding, coarse_, first + k, strip, strip_box);
+            LatticeBox box = tree_.box(0, first + k);
+            box.row0 -= strip_box.row0;
+            auto tile = encode_finest_tile(result_.coding, coarse_, first + k, part_of(strip, box));
             if (tile.ok())
                 tiles[at] = *std::move(tile);
             else

@@ -20,15 +20,6 @@ LatticeBox strip_box(const Raster& about, std::int64_t row) {
     return {row, 0, std::min(kStrip, about.rows - row), about.cols};
 }
 
-bool is_valid(const Raster& strip, std::int64_t r, std::int64_t c) {
-    return strip.mask.empty() || strip.mask(r, c) != 0;
-}
-
-/// Null: all samples of the row are valid.
-const std::uint8_t* valid_row(const Raster& strip, std::int64_t r) {
-    return strip.mask.empty() ? nullptr : strip.mask.row(r);
-}
-
 /// Statistics of the rows of a strip, and the first sample that is not a finite number.
 struct RowSurvey {
     std::vector<SampleStatistics> components;
@@ -55,10 +46,10 @@ SampleStatistics statistics_of(const double* samples, const std::uint8_t* valid,
     return statistics;
 }
 
-RowSurvey survey_row(const Raster& strip, std::int64_t r) {
+RowSurvey survey_row(const RasterView& strip, std::int64_t r) {
     RowSurvey row;
-    const std::uint8_t* valid = valid_row(strip, r);
-    for (const Grid<double>& plane : strip.planes) {
+    const std::uint8_t* valid = strip.valid_row(r);
+    for (const GridView<const double>& plane : strip.planes) {
         const RowRange range = range_of_row(plane.row(r), valid, strip.cols);
         if (range.finite) {
             row.components.push_back(statistics_of(plane.row(r), valid, strip.cols, range));
@@ -66,19 +57,19 @@ RowSurvey survey_row(const Raster& strip, std::int64_t r) {
         }
         row.components.emplace_back();
         for (std::int64_t c = 0; c < strip.cols; ++c)
-            if (is_valid(strip, r, c) && !std::isfinite(plane(r, c))) row.bad_column = c;
+            if (strip.valid(r, c) && !std::isfinite(plane(r, c))) row.bad_column = c;
     }
     return row;
 }
 
-void keep_coarse(const Raster& strip, std::int64_t row0, Raster& coarse) {
+void keep_coarse(const RasterView& strip, std::int64_t row0, Raster& coarse) {
     for (std::int64_t r = 0; r < strip.rows; r += kCoarse) {
         const std::int64_t to = (row0 + r) / kCoarse;
         for (std::size_t p = 0; p < strip.planes.size(); ++p)
             for (std::int64_t c = 0; c < coarse.cols; ++c)
                 coarse.planes[p](to, c) = strip.planes[p](r, c * kCoarse);
         for (std::int64_t c = 0; c < coarse.cols; ++c)
-            coarse.mask(to, c) = is_valid(strip, r, c * kCoarse);
+            coarse.mask(to, c) = strip.valid(r, c * kCoarse);
     }
 }
 
@@ -93,8 +84,8 @@ double most_misfits(std::int64_t valid) {
 
 /// How many valid samples of a component are off the lattice of `unit`: each would need a repair.
 /// Where they are more than `most`, perhaps some only.
-std::int64_t misfits(const Raster& strip, std::size_t component, double unit, const Raster& about,
-                     double bound, double most) {
+std::int64_t misfits(const RasterView& strip, std::size_t component, double unit,
+                     const Raster& about, double bound, double most) {
     std::atomic<std::int64_t> off = 0;
     parallel_for(0, strip.rows, 16, [&](std::int64_t first, std::int64_t last) {
         std::vector<double> on(static_cast<std::size_t>(strip.cols));
@@ -102,7 +93,7 @@ std::int64_t misfits(const Raster& strip, std::size_t component, double unit, co
             const double* samples = strip.planes[component].row(r);
             lattice_row(samples, strip.cols, unit, on.data());
             stored_row(on.data(), strip.cols, about.type, about.nodata, on.data());
-            off += count_off(on.data(), samples, valid_row(strip, r), strip.cols, bound);
+            off += count_off(on.data(), samples, strip.valid_row(r), strip.cols, bound);
         }
     });
     return off;
@@ -122,15 +113,16 @@ Result<double> find_unit(const RasterSource& source, const Survey& seen, std::si
     }
     const double most_coarse = most_misfits(seen.coarse.valid_count());
     const double most = most_misfits(seen.valid);
-    const auto off = [&](const Raster& strip, double unit, double enough) {
+    const auto off = [&](const RasterView& strip, double unit, double enough) {
         return static_cast<double>(misfits(strip, component, unit, about, bound, enough));
     };
     for (int k = 0; const auto unit = lattice_candidate(k); ++k) {
         if (!(*unit > 4.8e-7 * largest)) continue;
-        if (off(seen.coarse, *unit, most_coarse) > most_coarse) continue;
+        if (off(view_of(seen.coarse), *unit, most_coarse) > most_coarse) continue;
         double all = 0;
         for (std::int64_t row = 0; row < about.rows && all <= most; row += kStrip) {
-            RELIEF_TRY(const Raster strip, source.read(strip_box(about, row)));
+            Raster room;
+            RELIEF_TRY(const RasterView strip, source.view(strip_box(about, row), room));
             all += off(strip, *unit, most - all);
         }
         if (all <= most) return *unit;
@@ -145,10 +137,11 @@ Result<Magnitudes> magnitudes(const RasterSource& source, std::size_t component)
     const Raster& about = source.description();
     Magnitudes all;
     for (std::int64_t row = 0; row < about.rows; row += kStrip) {
-        RELIEF_TRY(const Raster strip, source.read(strip_box(about, row)));
+        Raster room;
+        RELIEF_TRY(const RasterView strip, source.view(strip_box(about, row), room));
         for (std::int64_t r = 0; r < strip.rows; ++r)
             for (std::int64_t c = 0; c < strip.cols; ++c) {
-                if (!is_valid(strip, r, c)) continue;
+                if (!strip.valid(r, c)) continue;
                 const double sample = strip.planes[component](r, c);
                 all[std::ilogb(sample)].add(sample);
             }
@@ -190,9 +183,10 @@ Result<std::optional<IntegerDomain>> find_domain(const RasterSource& source, con
 /// The bilinear surface through the coarsest lattice.
 class CoarsestSurface {
   public:
-    CoarsestSurface(const Raster& strip, const Survey& seen, const Raster& about)
+    CoarsestSurface(const RasterView& strip, const Survey& seen, const Raster& about)
         : strip_(strip),
           survey_(seen),
+          coarse_(view_of(seen.coarse)),
           about_(about),
           levels_(TileTree(about.rows, about.cols).levels()),
           step_(std::int64_t{1} << levels_),
@@ -224,7 +218,7 @@ class CoarsestSurface {
                                   double left, double right) const {
         const std::int64_t n = std::min(step_, strip_.cols - west);
         const double* samples = strip_.planes[p].row(r) + west;
-        const std::uint8_t* valid = valid_row(strip_, r);
+        const std::uint8_t* valid = strip_.valid_row(r);
         for (std::int64_t k = 0; k < n; ++k) {
             if (valid && !valid[west + k]) continue;
             const double part = per_cell_ * static_cast<double>(k);
@@ -243,15 +237,16 @@ class CoarsestSurface {
     /// one strip.
     [[nodiscard]] double sample(std::size_t p, std::int64_t row, std::int64_t col) const {
         const bool surveyed = levels_ >= TileTree::kTierLevels;
-        const Raster& from = surveyed ? survey_.coarse : strip_;
+        const RasterView& from = surveyed ? coarse_ : strip_;
         const int shift = surveyed ? TileTree::kTierLevels : 0;
         if (from.valid(row >> shift, col >> shift))
             return from.planes[p](row >> shift, col >> shift);
         return (survey_.components[p].lowest + survey_.components[p].highest) / 2;
     }
 
-    const Raster& strip_;
+    const RasterView& strip_;
     const Survey& survey_;
+    RasterView coarse_;
     const Raster& about_;
     int levels_;
     std::int64_t step_;
@@ -260,7 +255,7 @@ class CoarsestSurface {
 
 }  // namespace
 
-double coarse_energy(const Raster& strip, std::int64_t row0, const Survey& seen,
+double coarse_energy(const RasterView& strip, std::int64_t row0, const Survey& seen,
                      const Raster& about) {
     const CoarsestSurface surface(strip, seen, about);
     std::vector<double> rows(static_cast<std::size_t>(strip.rows), 0.0);
@@ -283,7 +278,8 @@ Result<Survey> survey(const RasterSource& source, const Progress& progress) {
     for (int p = 0; p < source.components(); ++p)
         seen.coarse.planes.emplace_back(seen.coarse.rows, seen.coarse.cols);
     for (std::int64_t row = 0; row < about.rows; row += kStrip) {
-        RELIEF_TRY(const Raster strip, source.read(strip_box(about, row)));
+        Raster room;
+        RELIEF_TRY(const RasterView strip, source.view(strip_box(about, row), room));
         std::vector<RowSurvey> rows(static_cast<std::size_t>(strip.rows));
         parallel_for(0, strip.rows, 16, [&](std::int64_t first, std::int64_t last) {
             for (std::int64_t r = first; r < last; ++r)
