@@ -3,6 +3,7 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <numeric>
 #include <string>
 
 #include "codec/lattice_encode.h"
@@ -26,10 +27,11 @@ struct RowSurvey {
     std::int64_t bad_column = -1;
 };
 
-/// The first valid sample that equals `value`: zeros differ in their sign.
+/// The first valid sample that equals `value`, which is one of them: zeros differ in their sign.
 double first_equal(const double* samples, const std::uint8_t* valid, double value) {
+    if (value != 0) return value;
     std::int64_t c = 0;
-    while (samples[c] != value || (valid && !valid[c])) ++c;
+    while (samples[c] != 0 || (valid && !valid[c])) ++c;
     return samples[c];
 }
 
@@ -194,7 +196,8 @@ class CoarsestSurface {
 
     /// Squared distance of row `row` of the raster, which is row r of the strip.
     [[nodiscard]] double energy(std::int64_t r, std::int64_t row) const {
-        double sum = 0;
+        PartialSums sums{};
+        const std::uint8_t* valid = strip_.valid_row(r);
         const std::int64_t north = row >> levels_ << levels_;
         const std::int64_t south = next(north, about_.rows);
         const double down = per_cell_ * static_cast<double>(row - north);
@@ -206,28 +209,15 @@ class CoarsestSurface {
             for (std::int64_t west = 0; west < strip_.cols; west += step_) {
                 const double left = line(west);
                 const double right = line(next(west, about_.cols));
-                sum = add_cell(sum, p, r, west, left, right);
+                add_squares(strip_.planes[p].row(r) + west, valid ? valid + west : nullptr,
+                            std::min(step_, strip_.cols - west), left, per_cell_ * (right - left),
+                            sums);
             }
         }
-        return sum;
+        return std::accumulate(sums.begin(), sums.end(), 0.0);
     }
 
   private:
-    /// Adds the samples from `west` on up to the next sample of the lattice.
-    [[nodiscard]] double add_cell(double sum, std::size_t p, std::int64_t r, std::int64_t west,
-                                  double left, double right) const {
-        const std::int64_t n = std::min(step_, strip_.cols - west);
-        const double* samples = strip_.planes[p].row(r) + west;
-        const std::uint8_t* valid = strip_.valid_row(r);
-        for (std::int64_t k = 0; k < n; ++k) {
-            if (valid && !valid[west + k]) continue;
-            const double part = per_cell_ * static_cast<double>(k);
-            const double difference = samples[k] - (left + part * (right - left));
-            sum += difference * difference;
-        }
-        return sum;
-    }
-
     /// The sample of the lattice after one at x, of n along an axis; the last one after itself.
     [[nodiscard]] std::int64_t next(std::int64_t x, std::int64_t n) const {
         return x + step_ < n ? x + step_ : x;

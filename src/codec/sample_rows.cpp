@@ -55,16 +55,28 @@ inline std::int64_t count_off_scalar(const double* stored, const double* samples
     return off;
 }
 
-inline bool error_row_scalar(const double* decoded, const double* wanted, const std::uint8_t* valid,
-                             std::int64_t n, double bound, double* errors) {
-    bool within = true;
+inline RowErrors error_row_scalar(const double* decoded, const double* wanted,
+                                  const std::uint8_t* valid, std::int64_t n, double bound,
+                                  double* errors) {
+    RowErrors row{0, true};
     for (std::int64_t k = 0; k < n; ++k) {
         errors[k] = 0;
         if (valid && !valid[k]) continue;
         errors[k] = std::abs(decoded[k] - wanted[k]);
-        within &= is_within(decoded[k], wanted[k], bound);
+        row.largest = std::max(row.largest, errors[k]);
+        row.within &= is_within(decoded[k], wanted[k], bound);
     }
-    return within;
+    return row;
+}
+
+/// From sample k0 on.
+inline void add_squares_scalar(const double* samples, const std::uint8_t* valid, std::int64_t k0,
+                               std::int64_t n, double first, double slope, PartialSums& sums) {
+    for (std::int64_t k = k0; k < n; ++k) {
+        if (valid && !valid[k]) continue;
+        const double difference = samples[k] - (first + static_cast<double>(k) * slope);
+        sums[static_cast<std::size_t>(k) % sums.size()] += difference * difference;
+    }
 }
 
 inline std::int32_t largest_difference_scalar(const std::int32_t* a, const std::int32_t* b,
@@ -183,22 +195,44 @@ std::int64_t off(const double* stored, const double* samples, const std::uint8_t
            count_off_scalar(stored + k, samples + k, valid ? valid + k : nullptr, n - k, bound);
 }
 
-bool errors(const double* decoded, const double* wanted, const std::uint8_t* valid, std::int64_t n,
-            double bound, double* out) {
+RowErrors errors(const double* decoded, const double* wanted, const std::uint8_t* valid,
+                 std::int64_t n, double bound, double* out) {
     const Doubles d;
     auto over = hn::FirstN(d, 0);
+    auto largest = hn::Zero(d);
     std::int64_t k = 0;
     for (; k + lanes_of(d) <= n; k += lanes_of(d)) {
         const auto a = hn::LoadU(d, decoded + k);
         const auto b = hn::LoadU(d, wanted + k);
         const auto here = valid_lanes(valid ? valid + k : nullptr);
-        const auto error = hn::Abs(hn::Sub(a, b));
+        const auto error = hn::IfThenElseZero(here, hn::Abs(hn::Sub(a, b)));
         over = hn::Or(over, hn::AndNot(within(a, b, error, bound), here));
-        hn::StoreU(hn::IfThenElseZero(here, error), d, out + k);
+        largest = hn::Max(largest, error);
+        hn::StoreU(error, d, out + k);
     }
-    const bool rest = error_row_scalar(decoded + k, wanted + k, valid ? valid + k : nullptr, n - k,
-                                       bound, out + k);
-    return rest && hn::AllFalse(d, over);
+    const RowErrors rest = error_row_scalar(decoded + k, wanted + k, valid ? valid + k : nullptr,
+                                            n - k, bound, out + k);
+    return {std::max(rest.largest, hn::GetLane(hn::MaxOfLanes(d, largest))),
+            rest.within && hn::AllFalse(d, over)};
+}
+
+void squares(const double* samples, const std::uint8_t* valid, std::int64_t n, double first,
+             double slope, PartialSums& sums) {
+    const hn::CappedTag<double, PartialSums().size()> d;
+    const auto size = static_cast<std::int64_t>(sums.size());
+    const auto slopes = hn::Set(d, slope);
+    const std::int64_t whole = valid ? 0 : n / size * size;
+    for (std::int64_t i = 0; i < size; i += lanes_of(d)) {
+        auto sum = hn::LoadU(d, sums.data() + i);
+        for (std::int64_t k = i; k < whole; k += size) {
+            const auto line =
+                hn::Add(hn::Set(d, first), hn::Mul(hn::Iota(d, static_cast<double>(k)), slopes));
+            const auto difference = hn::Sub(hn::LoadU(d, samples + k), line);
+            sum = hn::Add(sum, hn::Mul(difference, difference));
+        }
+        hn::StoreU(sum, d, sums.data() + i);
+    }
+    add_squares_scalar(samples, valid, whole, n, first, slope, sums);
 }
 
 std::int32_t difference(const std::int32_t* a, const std::int32_t* b, const std::uint8_t* valid,
@@ -252,6 +286,7 @@ HWY_EXPORT(values);
 HWY_EXPORT(on_lattice);
 HWY_EXPORT(off);
 HWY_EXPORT(errors);
+HWY_EXPORT(squares);
 HWY_EXPORT(difference);
 HWY_EXPORT(range);
 }  // namespace
@@ -278,10 +313,16 @@ std::int64_t count_off(const double* stored, const double* samples, const std::u
     return HWY_DYNAMIC_DISPATCH(off)(stored, samples, valid, n, bound);
 }
 
-bool error_row(const double* decoded, const double* wanted, const std::uint8_t* valid,
-               std::int64_t n, double bound, double* out) {
+RowErrors error_row(const double* decoded, const double* wanted, const std::uint8_t* valid,
+                    std::int64_t n, double bound, double* out) {
     if (!simd_enabled()) return error_row_scalar(decoded, wanted, valid, n, bound, out);
     return HWY_DYNAMIC_DISPATCH(errors)(decoded, wanted, valid, n, bound, out);
+}
+
+void add_squares(const double* samples, const std::uint8_t* valid, std::int64_t n, double first,
+                 double slope, PartialSums& sums) {
+    if (!simd_enabled()) return add_squares_scalar(samples, valid, 0, n, first, slope, sums);
+    HWY_DYNAMIC_DISPATCH(squares)(samples, valid, n, first, slope, sums);
 }
 
 std::int32_t largest_difference(const std::int32_t* a, const std::int32_t* b,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -31,10 +32,19 @@ std::int64_t count_off(const double* stored, const double* samples, const std::u
     return error == 0 && std::signbit(decoded) == std::signbit(wanted);
 }
 
+struct RowErrors {
+    double largest;
+    bool within;  ///< all keep the bound
+};
 /// errors[k] = |decoded[k] - wanted[k]|, 0 in holes (valid[k] = 0; valid may be null: no holes).
-/// Returns whether all keep the bound.
-bool error_row(const double* decoded, const double* wanted, const std::uint8_t* valid,
-               std::int64_t n, double bound, double* errors);
+RowErrors error_row(const double* decoded, const double* wanted, const std::uint8_t* valid,
+                    std::int64_t n, double bound, double* errors);
+
+/// Sums of every eighth number of a row: additions that need not wait for each other.
+using PartialSums = std::array<double, 8>;
+/// Adds (samples[k] - (first + k slope))^2 to sums[k % 8], but for holes.
+void add_squares(const double* samples, const std::uint8_t* valid, std::int64_t n, double first,
+                 double slope, PartialSums& sums);
 
 /// The largest |a[k] - b[k]| outside of holes. Requires: differences fit 32 bits.
 std::int32_t largest_difference(const std::int32_t* a, const std::int32_t* b,

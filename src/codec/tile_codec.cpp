@@ -88,12 +88,9 @@ Bytes write_mask(const TileSamples& samples, bool has_valid) {
     return out.take();
 }
 
-/// Same samples and quotients.
-bool equal(const LatticeLevel& a, const LatticeLevel& b) {
+bool same_samples(const LatticeLevel& a, const LatticeLevel& b) {
     for (std::int64_t r = 0; r < a.rows(); ++r)
-        if (!std::equal(a.values.row(r), a.values.row(r) + a.cols(), b.values.row(r)) ||
-            !std::equal(a.quotients.row(r), a.quotients.row(r) + a.cols(), b.quotients.row(r)))
-            return false;
+        if (!std::equal(a.values.row(r), a.values.row(r) + a.cols(), b.values.row(r))) return false;
     return true;
 }
 
@@ -366,7 +363,7 @@ class TileEncoder {
             same = same && codec_.decode_chunk(ranges_[k], bytes, state).ok();
         }
         for (std::size_t c = 0; c < state.levels.size() && same; ++c)
-            same = equal(state.levels[c], tile.state.levels[c]);
+            same = same_samples(state.levels[c], tile.state.levels[c]);
         same = same && state.repairs.size() == tile.state.repairs.size();
         if (same) return {};
         return Error{ErrorCode::BadInput,
@@ -436,14 +433,14 @@ class TileEncoder {
     /// Errors of the decoded samples; those over the bound become repairs.
     void measure(EncodedTile& tile) const {
         const LatticeBox& box = codec_.box();
-        Grid<double> errors(kRowsTogether, box.cols);
+        Grid<double> errors(kRowsTogether, box.cols, 0);
         std::vector<double> stored(static_cast<std::size_t>(box.cols));
         for (std::size_t c = 0; c < coding_.domains.size(); ++c)
             for (std::int64_t row = 0; row < box.rows; row += kRowsTogether) {
                 const std::int64_t rows = std::min(kRowsTogether, box.rows - row);
                 for (std::int64_t k = 0; k < rows; ++k)
                     measure_row(tile, c, row + k, stored.data(), errors.row(k));
-                if (bound_ > 0) add_errors(errors, rows, tile.error);
+                if (bound_ > 0) add_squares(errors, rows, tile.error.square);
             }
     }
 
@@ -455,25 +452,24 @@ class TileEncoder {
         const std::int16_t* quotients = level.quotients.row(r);
         tile.nonzero += cols - std::count(quotients, quotients + cols, 0);
         coding_.stored(component, level.values.row(r), cols, stored);
-        if (error_row(stored, wanted, valid_row(r), cols, bound_, errors)) return;
-        for (std::int64_t c = 0; c < cols; ++c)
+        RowErrors row = error_row(stored, wanted, valid_row(r), cols, bound_, errors);
+        for (std::int64_t c = 0; c < cols && !row.within; ++c)
             if (is_valid(r, c) && !is_within(stored[c], wanted[c], bound_)) {
                 repair(tile, component, r, c, wanted[c]);
                 errors[c] = 0;
             }
+        if (!row.within) row.largest = *std::max_element(errors, errors + cols);
+        tile.error.max = std::max(tile.error.max, row.largest);
     }
 
-    /// Each row's squares are added up from left to right: several rows at a time, because an
-    /// addition has to wait for the one before.
-    static void add_errors(const Grid<double>& errors, std::int64_t rows, TileError& sum) {
+    /// Adds squares, each row's from left to right and then the rows in order. Several rows at a
+    /// time: an addition has to wait for the one before.
+    static void add_squares(const Grid<double>& errors, std::int64_t rows, double& sum) {
         std::array<double, kRowsTogether> squares{};
         for (std::int64_t c = 0; c < errors.cols(); ++c)
-            for (std::int64_t k = 0; k < kRowsTogether; ++k) {
-                const double error = k < rows ? errors(k, c) : 0;
-                squares[static_cast<std::size_t>(k)] += error * error;
-                sum.max = std::max(sum.max, error);
-            }
-        for (const double square : squares) sum.square += square;
+            for (std::int64_t k = 0; k < kRowsTogether; ++k)
+                squares[static_cast<std::size_t>(k)] += errors(k, c) * errors(k, c);
+        for (std::int64_t k = 0; k < rows; ++k) sum += squares[static_cast<std::size_t>(k)];
     }
 
     /// Samples of the tier above are repaired there.
