@@ -153,7 +153,7 @@ class Encoder {
     Result<EncodedTile> encode(const LatticeCoding& coding, const CoarseTiers& coarse, int tier,
                                std::int64_t tile, const TileSamples& samples, TileCare care) const {
         return encode_tile(coding, tree_, tier, tile, samples, start(coding, coarse, tier, tile),
-                           start(coding, coarse, tier, tile), options_.bound, care);
+                           options_.bound, care);
     }
 
     Result<CoarseTiers> encode_coarse(const LatticeCoding& coding) const {

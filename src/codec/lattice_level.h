@@ -105,9 +105,10 @@ class LevelCodec {
     virtual ~LevelCodec() = default;
 
     /// Appends the D and E samples of `level` to `out`. `source`: the level's samples; holes may
-    /// hold anything. |source| < 2^29, between lowest and highest where valid.
-    virtual void encode(LatticeLevel& level, GridView<const std::int32_t> source,
-                        std::vector<std::uint8_t>& out) = 0;
+    /// hold anything. |source| < 2^29, between lowest and highest where valid. Returns whether the
+    /// bytes, decoded again, give the symbols of which the values of `level` are made.
+    [[nodiscard]] virtual bool encode(LatticeLevel& level, GridView<const std::int32_t> source,
+                                      std::vector<std::uint8_t>& out) = 0;
 
     /// Errors: BadFile for bytes that no encoder writes. Never reads past `bytes`; the values of a
     /// damaged level are finite nonsense.

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <iterator>
 #include <string>
 
 #include "codec/bytes.h"
@@ -92,6 +93,13 @@ bool same_samples(const LatticeLevel& a, const LatticeLevel& b) {
     for (std::int64_t r = 0; r < a.rows(); ++r)
         if (!std::equal(a.values.row(r), a.values.row(r) + a.cols(), b.values.row(r))) return false;
     return true;
+}
+
+Error disagreement(const LatticeBox& box) {
+    return {ErrorCode::BadInput,
+            "what was written does not decode to what was meant; the machine or this program is at "
+            "fault",
+            "tile at row " + std::to_string(box.row0) + ", column " + std::to_string(box.col0)};
 }
 
 }  // namespace
@@ -184,8 +192,9 @@ LatticeLevel TileCodec::begin_level(int level, std::size_t component, LatticeLev
     return next;
 }
 
-Bytes TileCodec::encode_level(int level, std::size_t component,
-                              GridView<const std::int32_t> samples, TileState& state) const {
+Result<Bytes> TileCodec::encode_level(int level, std::size_t component,
+                                      GridView<const std::int32_t> samples,
+                                      TileState& state) const {
     LatticeLevel* coarse = state.levels.size() > component ? &state.levels[component] : nullptr;
     LatticeLevel next = begin_level(level, component, coarse);
     const int shift = level - tier_bit_;
@@ -199,11 +208,14 @@ Bytes TileCodec::encode_level(int level, std::size_t component,
     }
     Bytes bytes;
     if (coarse) {
-        state.codecs[component]->encode(next, samples, bytes);
+        if (!state.codecs[component]->encode(next, samples, bytes)) return disagreement(box_);
         fill_edge_margins(next);
         *coarse = std::move(next);
     } else {
         bytes = encode_base(next, samples);
+        LatticeLevel again = begin_level(level, component, nullptr);
+        if (!decode_base(bytes, again).ok() || !same_samples(next, again))
+            return disagreement(box_);
         state.levels.push_back(std::move(next));
     }
     return bytes;
@@ -230,7 +242,8 @@ LatticeLevel TileCodec::interpolate(int level, std::size_t component, LatticeLev
     return next;
 }
 
-Status TileCodec::read_repairs(ByteReader& in, int level, TileState& state) const {
+Status TileCodec::read_repairs(ByteReader& in, int level,
+                               std::vector<LatticeRepair>& repairs) const {
     const int shift = level - tier_bit_;
     const auto rows = static_cast<std::uint64_t>(level_size(box_.rows, shift));
     const auto cols = static_cast<std::uint64_t>(level_size(box_.cols, shift));
@@ -245,9 +258,8 @@ Status TileCodec::read_repairs(ByteReader& in, int level, TileState& state) cons
         const double value = read_sample(in, coding_.type);
         if (in.failed() || !std::isfinite(value)) return damaged("a repair is not a number");
         const std::uint64_t sample = index % (rows * cols);
-        state.repairs.push_back({index / (rows * cols), level,
-                                 static_cast<std::int64_t>(sample / cols),
-                                 static_cast<std::int64_t>(sample % cols), value});
+        repairs.push_back({index / (rows * cols), level, static_cast<std::int64_t>(sample / cols),
+                           static_cast<std::int64_t>(sample % cols), value});
         ++index;
     }
     return {};
@@ -262,7 +274,7 @@ Status TileCodec::decode_chunk(LevelRange range, std::span<const std::uint8_t> b
             if (in.failed()) return damaged("a level is cut off");
             RELIEF_CHECK(decode_level(level, c, coded, state));
         }
-        RELIEF_CHECK(read_repairs(in, level, state));
+        RELIEF_CHECK(read_repairs(in, level, state.repairs));
     }
     if (!in.rest().empty()) return damaged("bytes are left over");
     return {};
@@ -307,7 +319,7 @@ class TileEncoder {
             beyond_.push_back(coding.domains[c].outliers ? largest_outlier(c) : 0);
     }
 
-    Result<EncodedTile> run(TileState start, TileState check) {
+    Result<EncodedTile> run(TileState start) {
         EncodedTile tile;
         tile.state = std::move(start);
         std::vector<ByteWriter> chunks(ranges_.size());
@@ -317,9 +329,11 @@ class TileEncoder {
         std::vector<std::vector<Bytes>> coded(static_cast<std::size_t>(levels_) + 1);
         for (std::size_t k = 0; k < ranges_.size(); ++k) {
             for (int level = ranges_[k].first; level >= ranges_[k].last; --level) {
-                for (std::size_t c = 0; c < coding_.domains.size(); ++c)
-                    coded[static_cast<std::size_t>(level)].push_back(
-                        codec_.encode_level(level, c, samples_.values[c].view(), tile.state));
+                for (std::size_t c = 0; c < coding_.domains.size(); ++c) {
+                    RELIEF_TRY(Bytes bytes, codec_.encode_level(level, c, samples_.values[c].view(),
+                                                                tile.state));
+                    coded[static_cast<std::size_t>(level)].push_back(std::move(bytes));
+                }
             }
             if (k + 1 < ranges_.size()) note_error_without(tile);
         }
@@ -331,7 +345,7 @@ class TileEncoder {
             tile.chunks.push_back(chunks[k].take());
         }
         tile.repairs = static_cast<std::int64_t>(tile.state.repairs.size());
-        RELIEF_CHECK(verify(tile, std::move(check)));
+        if (!reads_back(tile, coded)) return disagreement(codec_.box());
         return tile;
     }
 
@@ -354,23 +368,33 @@ class TileEncoder {
         return largest;
     }
 
-    /// Decodes what was written.
-    Status verify(const EncodedTile& tile, TileState state) const {
-        bool same = true;
-        for (std::size_t k = 0; k < ranges_.size() && same; ++k) {
+    /// Whether the chunks hold the mask, the levels and the repairs that they should.
+    bool reads_back(const EncodedTile& tile, const std::vector<std::vector<Bytes>>& coded) const {
+        for (std::size_t k = 0; k < ranges_.size(); ++k) {
             std::span<const std::uint8_t> bytes(tile.chunks[k]);
-            if (k == 0) same = same_mask(bytes);
-            same = same && codec_.decode_chunk(ranges_[k], bytes, state).ok();
+            if (k == 0 && !same_mask(bytes)) return false;
+            ByteReader in(bytes);
+            for (int level = ranges_[k].first; level >= ranges_[k].last; --level) {
+                for (const Bytes& expected : coded[static_cast<std::size_t>(level)]) {
+                    const auto found = in.take(in.varint());
+                    if (!std::equal(found.begin(), found.end(), expected.begin(), expected.end()))
+                        return false;
+                }
+                std::vector<LatticeRepair> repairs;
+                if (!codec_.read_repairs(in, level, repairs).ok() ||
+                    repairs != repairs_of(tile.state, level))
+                    return false;
+            }
+            if (in.failed() || !in.rest().empty()) return false;
         }
-        for (std::size_t c = 0; c < state.levels.size() && same; ++c)
-            same = same_samples(state.levels[c], tile.state.levels[c]);
-        same = same && state.repairs.size() == tile.state.repairs.size();
-        if (same) return {};
-        return Error{ErrorCode::BadInput,
-                     "what was written does not decode to what was meant; the machine or this "
-                     "program is at fault",
-                     "tile at row " + std::to_string(codec_.box().row0) + ", column " +
-                         std::to_string(codec_.box().col0)};
+        return true;
+    }
+
+    static std::vector<LatticeRepair> repairs_of(const TileState& state, int level) {
+        std::vector<LatticeRepair> repairs;
+        std::copy_if(state.repairs.begin(), state.repairs.end(), std::back_inserter(repairs),
+                     [level](const LatticeRepair& repair) { return repair.level == level; });
+        return repairs;
     }
 
     bool same_mask(std::span<const std::uint8_t>& bytes) const {
@@ -491,16 +515,14 @@ class TileEncoder {
         const int shift = level - finest_;
         const std::int64_t rows = level_size(codec_.box().rows, shift);
         const std::int64_t cols = level_size(codec_.box().cols, shift);
-        std::vector<const LatticeRepair*> repairs;
-        for (const LatticeRepair& repair : state.repairs)
-            if (repair.level == level) repairs.push_back(&repair);
+        const std::vector<LatticeRepair> repairs = repairs_of(state, level);
         out.varint(repairs.size());
         std::int64_t next = 0;
-        for (const LatticeRepair* repair : repairs) {  // in order of component, row and column
-            const auto plane = static_cast<std::int64_t>(repair->component) * rows;
-            const std::int64_t index = (plane + repair->row) * cols + repair->col;
+        for (const LatticeRepair& repair : repairs) {  // in order of component, row and column
+            const auto plane = static_cast<std::int64_t>(repair.component) * rows;
+            const std::int64_t index = (plane + repair.row) * cols + repair.col;
             out.varint(static_cast<std::uint64_t>(index - next));
-            write_sample(out, repair->value, coding_.type);
+            write_sample(out, repair.value, coding_.type);
             next = index + 1;
         }
     }
@@ -521,9 +543,8 @@ class TileEncoder {
 
 Result<EncodedTile> encode_tile(const LatticeCoding& coding, const TileTree& tree, int tier,
                                 std::int64_t tile, const TileSamples& samples, TileState start,
-                                TileState check, double bound, TileCare care) {
-    return TileEncoder(coding, tree, tier, tile, samples, bound, care)
-        .run(std::move(start), std::move(check));
+                                double bound, TileCare care) {
+    return TileEncoder(coding, tree, tier, tile, samples, bound, care).run(std::move(start));
 }
 
 }  // namespace relief::codec
