@@ -159,6 +159,7 @@ class LevelPass {
                 code_sample(row, k, learnt);
             } else {
                 row.values[c] = nearest_integer(in_range(learnt));
+                row.quotients[c] = 0;
                 if (row.rules) row.rules->skip(k);
             }
         }
@@ -327,12 +328,13 @@ class DenseCodec final : public LevelCodec {
     DenseCodec(const DenseCodec& other)
         : LevelCodec(other), state_(std::make_unique<DenseState>(*other.state_)) {}
 
-    void encode(LatticeLevel& level, GridView<const std::int32_t> source,
+    bool encode(LatticeLevel& level, GridView<const std::int32_t> source,
                 std::vector<std::uint8_t>& out) override {
-        RangeEncoder encoder;
+        CheckedEncoder encoder;
         LevelPass(encoder, *state_, level, source).run();
         const std::vector<std::uint8_t> bytes = encoder.finish();
         out.insert(out.end(), bytes.begin(), bytes.end());
+        return encoder.decodes_from(bytes);
     }
 
     Status decode(LatticeLevel& level, std::span<const std::uint8_t> bytes) override {

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -112,6 +113,94 @@ std::int64_t find_tokens(const std::uint8_t* tokens, std::int64_t n, std::int32_
     return count;
 }
 
+class TokenDecoder {
+  public:
+    TokenDecoder(const TokenModel& model, std::size_t states, std::span<const std::uint8_t> words,
+                 std::span<const std::uint8_t> rest)
+        : tables_(kClasses + 1), states_(states), words_(words), rest_(rest) {
+        for (std::size_t c = 0; c < kClasses; ++c) tables_[c].set(model.frequencies(c));
+        tables_[kSilent].set({kRansTotal});
+        for (std::size_t s = 0; s < states; ++s) {
+            const std::uint32_t low = words_.next();
+            state_[s] = low | std::uint32_t{words_.next()} << 16;
+        }
+    }
+
+    void decode_row(const SampleRow& row, RowBuffers& buffers) {
+        std::uint8_t* tokens = buffers.tokens.data();
+        const std::int64_t n = padded(row.n);
+        decode_tokens(buffers.classes.data(), n, tokens);
+        const std::int64_t count = find_tokens(tokens, n, buffers.places.data());
+        std::fill_n(buffers.quotients.data(), n, 0);
+        decode_quotients(tokens, buffers.places.data(), count, buffers.quotients.data());
+    }
+
+    /// Requires: n is a multiple of kBatch.
+    void decode_tokens(const std::uint8_t* classes, std::int64_t n, std::uint8_t* tokens) {
+        switch (states_) {
+            case 1:
+                return decode_tokens_of<1>(classes, n, tokens);
+            case 2:
+                return decode_tokens_of<2>(classes, n, tokens);
+            case 4:
+                return decode_tokens_of<4>(classes, n, tokens);
+            default:
+                return decode_tokens_of<8>(classes, n, tokens);
+        }
+    }
+
+    /// quotients[places[k]]: what the token there and its rest stand for.
+    void decode_quotients(const std::uint8_t* tokens, const std::int32_t* places,
+                          std::int64_t count, std::int32_t* quotients) {
+        BitReader rest = rest_;
+        for (std::int64_t k = 0; k < count; ++k) {
+            const TokenRange range = kRanges[tokens[places[k]]];
+            const std::uint32_t bits = rest.get(range.bits);
+            const std::int32_t magnitude = range.first + static_cast<std::int32_t>(bits >> 1);
+            quotients[places[k]] = bits & 1 ? -magnitude : magnitude;
+        }
+        rest_ = rest;
+    }
+
+    [[nodiscard]] bool at_end() const {
+        return words_.at_end() && rest_.at_end() &&
+               std::all_of(state_.data(), state_.data() + states_,
+                           [](std::uint32_t state) { return state == kRansLow; });
+    }
+
+  private:
+    template <std::size_t kStates>
+    void decode_tokens_of(const std::uint8_t* classes, std::int64_t n, std::uint8_t* tokens) {
+        std::array<std::uint32_t, kStates> state;
+        std::copy_n(state_.begin(), kStates, state.begin());
+        RansWords words = words_;
+        for (std::int64_t k = 0; k < n; k += kBatch) {
+            if (words.has(kBatch)) {
+                decode_batch<kStates, false>(classes + k, state, words, tokens + k);
+            } else {
+                decode_batch<kStates, true>(classes + k, state, words, tokens + k);
+            }
+        }
+        words_ = words;
+        std::copy_n(state.begin(), kStates, state_.begin());
+    }
+
+    template <std::size_t kStates, bool kChecked>
+    void decode_batch(const std::uint8_t* classes, std::array<std::uint32_t, kStates>& state,
+                      RansWords& words, std::uint8_t* tokens) {
+        for (std::size_t s = 0; s < kBatch; ++s) {
+            tokens[s] = tables_[classes[s]].decode(state[s % kStates]);
+            words.refill<kChecked>(state[s % kStates]);
+        }
+    }
+
+    std::vector<RansTable<kTokens>> tables_;
+    std::size_t states_;
+    std::array<std::uint32_t, kMostStates> state_{};
+    RansWords words_;
+    BitReader rest_;
+};
+
 /// The symbols of a level, collected row by row, because rANS codes backwards.
 class TokenCollector {
   public:
@@ -133,7 +222,9 @@ class TokenCollector {
         rest_.reserve(static_cast<std::size_t>(32 * count));
         for (std::int64_t k = 0; k < count; ++k) {
             const std::int32_t place = buffers.places[static_cast<std::size_t>(k)];
-            put_rest(tokens[place], buffers.quotients[static_cast<std::size_t>(place)]);
+            const std::int32_t quotient = buffers.quotients[static_cast<std::size_t>(place)];
+            put_rest(tokens[place], quotient);
+            quotients_.push_back(quotient);
         }
         all_zero_ &= count == 0;
     }
@@ -171,6 +262,25 @@ class TokenCollector {
 
     [[nodiscard]] std::span<const std::uint8_t> rest() const { return rest_.bytes(); }
 
+    /// Whether a decoder that is told the same classes finds the same symbols.
+    [[nodiscard]] bool decodes_from(TokenDecoder& decoder) const {
+        constexpr std::size_t kPiece = 4096;
+        Buffer<std::uint8_t> tokens(kPiece);
+        Buffer<std::int32_t> places(kPiece);
+        Buffer<std::int32_t> quotients(kPiece);
+        const std::int32_t* expected = quotients_.data();
+        for (std::size_t first = 0; first < size_; first += kPiece) {
+            const auto n = static_cast<std::int64_t>(std::min(kPiece, size_ - first));
+            decoder.decode_tokens(classes_.data() + first, n, tokens.data());
+            if (!std::equal(tokens.data(), tokens.data() + n, tokens_.data() + first)) return false;
+            const std::int64_t count = find_tokens(tokens.data(), n, places.data());
+            decoder.decode_quotients(tokens.data(), places.data(), count, quotients.data());
+            for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
+                if (quotients[static_cast<std::size_t>(places[k])] != *expected++) return false;
+        }
+        return decoder.at_end();
+    }
+
   private:
     using Symbols = std::array<std::array<RansSymbol, kTokens>, kClasses + 1>;
 
@@ -199,6 +309,7 @@ class TokenCollector {
     std::size_t size_ = 0;
     bool all_zero_ = true;
     BitWriter rest_;
+    std::vector<std::int32_t> quotients_;  ///< that are not 0
 };
 
 /// Each state more costs about three bytes, which is to be one percent of the chunk.
@@ -211,95 +322,9 @@ Error damaged(const LatticeLevel& level) {
             "level " + std::to_string(level.level)};
 }
 
-class TokenDecoder {
-  public:
-    TokenDecoder(const TokenModel& model, std::size_t states, std::span<const std::uint8_t> words,
-                 std::span<const std::uint8_t> rest)
-        : tables_(kClasses + 1), states_(states), words_(words), rest_(rest) {
-        for (std::size_t c = 0; c < kClasses; ++c) tables_[c].set(model.frequencies(c));
-        tables_[kSilent].set({kRansTotal});
-        for (std::size_t s = 0; s < states; ++s) {
-            const std::uint32_t low = words_.next();
-            state_[s] = low | std::uint32_t{words_.next()} << 16;
-        }
-    }
-
-    void decode_row(const SampleRow& row, RowBuffers& buffers) {
-        const std::uint8_t* classes = buffers.classes.data();
-        std::uint8_t* tokens = buffers.tokens.data();
-        const std::int64_t n = padded(row.n);
-        switch (states_) {
-            case 1:
-                decode_tokens<1>(classes, n, tokens);
-                break;
-            case 2:
-                decode_tokens<2>(classes, n, tokens);
-                break;
-            case 4:
-                decode_tokens<4>(classes, n, tokens);
-                break;
-            default:
-                decode_tokens<8>(classes, n, tokens);
-        }
-        const std::int64_t count = find_tokens(tokens, n, buffers.places.data());
-        decode_quotients(tokens, buffers.places.data(), count, row.n, buffers.quotients.data());
-    }
-
-    [[nodiscard]] bool at_end() const {
-        return words_.at_end() && rest_.at_end() &&
-               std::all_of(state_.data(), state_.data() + states_,
-                           [](std::uint32_t state) { return state == kRansLow; });
-    }
-
-  private:
-    template <std::size_t kStates>
-    void decode_tokens(const std::uint8_t* classes, std::int64_t n, std::uint8_t* tokens) {
-        std::array<std::uint32_t, kStates> state;
-        std::copy_n(state_.begin(), kStates, state.begin());
-        RansWords words = words_;
-        for (std::int64_t k = 0; k < n; k += kBatch) {
-            if (words.has(kBatch)) {
-                decode_batch<kStates, false>(classes + k, state, words, tokens + k);
-            } else {
-                decode_batch<kStates, true>(classes + k, state, words, tokens + k);
-            }
-        }
-        words_ = words;
-        std::copy_n(state.begin(), kStates, state_.begin());
-    }
-
-    template <std::size_t kStates, bool kChecked>
-    void decode_batch(const std::uint8_t* classes, std::array<std::uint32_t, kStates>& state,
-                      RansWords& words, std::uint8_t* tokens) {
-        for (std::size_t s = 0; s < kBatch; ++s) {
-            tokens[s] = tables_[classes[s]].decode(state[s % kStates]);
-            words.refill<kChecked>(state[s % kStates]);
-        }
-    }
-
-    void decode_quotients(const std::uint8_t* tokens, const std::int32_t* places,
-                          std::int64_t count, std::int64_t n, std::int32_t* quotients) {
-        std::fill_n(quotients, n, 0);
-        BitReader rest = rest_;
-        for (std::int64_t k = 0; k < count; ++k) {
-            const TokenRange range = kRanges[tokens[places[k]]];
-            const std::uint32_t bits = rest.get(range.bits);
-            const std::int32_t magnitude = range.first + static_cast<std::int32_t>(bits >> 1);
-            quotients[places[k]] = bits & 1 ? -magnitude : magnitude;
-        }
-        rest_ = rest;
-    }
-
-    std::vector<RansTable<kTokens>> tables_;
-    std::size_t states_;
-    std::array<std::uint32_t, kMostStates> state_{};
-    RansWords words_;
-    BitReader rest_;
-};
-
 class FastCodec final : public LevelCodec {
   public:
-    void encode(LatticeLevel& level, GridView<const std::int32_t> source,
+    bool encode(LatticeLevel& level, GridView<const std::int32_t> source,
                 std::vector<std::uint8_t>& out) override;
     Status decode(LatticeLevel& level, std::span<const std::uint8_t> bytes) override;
     std::unique_ptr<LevelCodec> descendant() const override {
@@ -307,10 +332,24 @@ class FastCodec final : public LevelCodec {
     }
 
   private:
+    /// A decoder of a chunk that is not empty; none: no encoder writes such a chunk.
+    static std::optional<TokenDecoder> open(std::span<const std::uint8_t> bytes, TokenModel& model);
+
     TokenModel model_;
 };
 
-void FastCodec::encode(LatticeLevel& level, GridView<const std::int32_t> source,
+std::optional<TokenDecoder> FastCodec::open(std::span<const std::uint8_t> bytes,
+                                            TokenModel& model) {
+    BitReader head(bytes);
+    if (!model.read(head)) return {};
+    const std::size_t states = std::size_t{1} << head.get(2);
+    const std::uint64_t count = head.get(static_cast<int>(head.get(5)));
+    const auto body = head.rest();
+    if (body.size() / 2 < count) return {};
+    return TokenDecoder(model, states, body.first(2 * count), body.subspan(2 * count));
+}
+
+bool FastCodec::encode(LatticeLevel& level, GridView<const std::int32_t> source,
                        std::vector<std::uint8_t>& out) {
     const RowRule rule(level.lowest, level.highest, level.step);
     TokenCollector collector(level);
@@ -321,8 +360,10 @@ void FastCodec::encode(LatticeLevel& level, GridView<const std::int32_t> source,
                      rule, buffers.quotients.data(), buffers.tokens.data());
         collector.add_row(row, buffers);
     });
-    if (collector.all_zero()) return;
+    if (collector.all_zero()) return true;
     const ClassCounts counts = collector.counts();
+    const std::size_t begin = out.size();
+    TokenModel known = model_;
     BitWriter head;
     model_.adapt(counts, head);
     const auto rest = collector.rest();
@@ -340,6 +381,8 @@ void FastCodec::encode(LatticeLevel& level, GridView<const std::int32_t> source,
         out.push_back(static_cast<std::uint8_t>(word >> 8));
     }
     out.insert(out.end(), rest.begin(), rest.end());
+    auto decoder = open(std::span(out).subspan(begin), known);
+    return decoder && known == model_ && collector.decodes_from(*decoder);
 }
 
 Status FastCodec::decode(LatticeLevel& level, std::span<const std::uint8_t> bytes) {
@@ -348,18 +391,13 @@ Status FastCodec::decode(LatticeLevel& level, std::span<const std::uint8_t> byte
         return {};
     }
     const RowRule rule(level.lowest, level.highest, level.step);
-    BitReader head(bytes);
     TokenModel model = model_;
-    if (!model.read(head)) return damaged(level);
-    const std::size_t states = std::size_t{1} << head.get(2);
-    const std::uint64_t count = head.get(static_cast<int>(head.get(5)));
-    const auto body = head.rest();
-    if (body.size() / 2 < count) return damaged(level);
-    TokenDecoder decoder(model, states, body.first(2 * count), body.subspan(2 * count));
+    auto decoder = open(bytes, model);
+    if (!decoder) return damaged(level);
     code_level(level, rule, [&](const SampleRow& row, RowBuffers& buffers) {
-        decoder.decode_row(row, buffers);
+        decoder->decode_row(row, buffers);
     });
-    if (!decoder.at_end()) return damaged(level);
+    if (!decoder->at_end()) return damaged(level);
     model_ = model;
     return {};
 }

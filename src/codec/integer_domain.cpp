@@ -48,18 +48,6 @@ double lattice_step(double bound, double unit, double rounding) {
 
 }  // namespace
 
-void IntegerDomain::integers(const double* samples, std::int64_t n, std::int32_t* out) const {
-    // Numbers from here on have no fraction: the addition rounds, faster than a call of nearbyint.
-    constexpr double no_fraction = kExact / 2;
-    const double top = highest;
-    for (std::int64_t k = 0; k < n; ++k) {
-        double v = samples[k] / unit - origin;
-        v = v > 0 ? v : 0;  // NaN too
-        v = v < top ? v : top;
-        out[k] = static_cast<std::int32_t>(v + no_fraction - no_fraction);
-    }
-}
-
 void SampleStatistics::add(double sample) {
     if (count++ == 0) {
         lowest = highest = sample;
@@ -100,13 +88,6 @@ void SampleStatistics::add(const SampleStatistics& other) {
 std::optional<double> lattice_candidate(int k) {
     if (k < 0 || k >= static_cast<int>(kUnits.size())) return {};
     return kUnits[static_cast<std::size_t>(k)];
-}
-
-bool off_lattice(double sample, double unit, SampleType type, std::optional<double> nodata,
-                 double bound) {
-    const double value = stored_value(unit * std::nearbyint(sample / unit), type, nodata);
-    if (bound == 0) return value != sample || std::signbit(value) != std::signbit(sample);
-    return !(std::abs(value - sample) <= std::min(1.2e-7 * std::abs(sample), bound));
 }
 
 std::optional<IntegerDomain> make_domain(const SampleStatistics& s, SampleType type, double unit,

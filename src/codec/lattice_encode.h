@@ -44,7 +44,7 @@ struct Survey {
 
 /// Sum of squares of the valid samples of a strip, rows row0 .. of a raster like `about`, less the
 /// bilinear surface through the raster's coarsest lattice.
-[[nodiscard]] double coarse_energy(const Raster& strip, std::int64_t row0, const Survey& survey,
+[[nodiscard]] double coarse_energy(const RasterView& strip, std::int64_t row0, const Survey& survey,
                                    const Raster& about);
 
 /// Whether the samples fit the closed loop's integers at this bound; sets the domains. Reads the

@@ -236,10 +236,10 @@ void LatticeFile::copy_tile(const Tile& tile, int tier, std::int64_t number, int
         for (std::int64_t r = 0; r < part.rows; ++r) {
             const std::int32_t* row = from.values.row((part.row0 - have.row0 + r) * step) +
                                       (part.col0 - have.col0) * step;
-            for (std::int64_t c = 0; c < part.cols; ++c)
+            for (std::int64_t c = 0; c < part.cols && step > 1; ++c)
                 picked[static_cast<std::size_t>(c)] = row[c * step];
             coding_.stored(
-                p, picked.data(), part.cols,
+                p, step > 1 ? picked.data() : row, part.cols,
                 out.planes[p].row(part.row0 - window.row0 + r) + (part.col0 - window.col0));
         }
     }
@@ -251,16 +251,24 @@ void LatticeFile::copy_tile(const Tile& tile, int tier, std::int64_t number, int
             out.planes[repair.component](row - window.row0, col - window.col0) = repair.value;
     }
     if (tile.valid.empty()) return;
-    for (std::int64_t r = 0; r < part.rows; ++r)
-        for (std::int64_t c = 0; c < part.cols; ++c) {
-            if (tile.valid((part.row0 - have.row0 + r) << shift, (part.col0 - have.col0 + c)
-                                                                     << shift))
-                continue;
-            out.mask(part.row0 - window.row0 + r, part.col0 - window.col0 + c) = 0;
-            for (Grid<double>& plane : out.planes)
-                plane(part.row0 - window.row0 + r, part.col0 - window.col0 + c) =
-                    std::numeric_limits<double>::quiet_NaN();
-        }
+    for (Grid<double>& plane : out.planes)
+        visit_holes(tile.valid, tier, number, level, window, [&](std::int64_t r, std::int64_t c) {
+            plane(r, c) = std::numeric_limits<double>::quiet_NaN();
+        });
+}
+
+template <class Visit>
+void LatticeFile::visit_holes(const Grid<std::uint8_t>& valid, int tier, std::int64_t number,
+                              int level, const LatticeBox& window, Visit visit) const {
+    const int shift = level - TileTree::kTierLevels * tier;
+    const LatticeBox have = in_level(tree_.box(tier, number), shift);
+    const LatticeBox part = common(have, window);
+    for (std::int64_t r = 0; r < part.rows; ++r) {
+        const std::uint8_t* row =
+            valid.row((part.row0 - have.row0 + r) << shift) + ((part.col0 - have.col0) << shift);
+        for (std::int64_t c = 0; c < part.cols; ++c)
+            if (!row[c << shift]) visit(part.row0 - window.row0 + r, part.col0 - window.col0 + c);
+    }
 }
 
 Result<LatticeWindow> LatticeFile::read(int level, const LatticeBox& window,
@@ -270,15 +278,16 @@ Result<LatticeWindow> LatticeFile::read(int level, const LatticeBox& window,
     LatticeWindow out;
     for (std::size_t p = 0; p < coding_.domains.size(); ++p)
         out.planes.emplace_back(window.rows, window.cols);
-    out.mask = Grid<std::uint8_t>(window.rows, window.cols, 1);
     const LatticeBox samples{window.row0 << shift, window.col0 << shift,
                              ((window.rows - 1) << shift) + 1, ((window.cols - 1) << shift) + 1};
     const LatticeBox met = tree_.tiles_meeting(tier, samples);
-    const std::int64_t across = tree_.tier(tier).tile_cols;
+    const auto tile_number = [&, across = tree_.tier(tier).tile_cols](std::int64_t k) {
+        return (met.row0 + k / met.cols) * across + met.col0 + k % met.cols;
+    };
     std::vector<Status> failed(static_cast<std::size_t>(met.count()));
     std::vector<Tile> abouts(failed.size());
     parallel_for(0, met.count(), 1, [&](std::int64_t k, std::int64_t) {
-        const std::int64_t number = (met.row0 + k / met.cols) * across + met.col0 + k % met.cols;
+        const std::int64_t number = tile_number(k);
         Result<Tile> tile = decode(tier, number, level);
         const auto at = static_cast<std::size_t>(k);
         if (!tile.ok()) {
@@ -290,22 +299,23 @@ Result<LatticeWindow> LatticeFile::read(int level, const LatticeBox& window,
         tile->state = {};
         abouts[at] = *std::move(tile);
     });
-    bool holes = false;
     for (std::size_t k = 0; k < failed.size(); ++k) {
         RELIEF_CHECK(failed[k]);
         const Tile& about = abouts[k];
         out.known_level = std::max(out.known_level, about.known_level);
         out.bound = std::max(out.bound, about.bound);
-        holes = holes || !about.valid.empty();
+        const std::int64_t number = tile_number(static_cast<std::int64_t>(k));
+        if (!about.valid.empty()) {
+            if (out.mask.empty()) out.mask = Grid<std::uint8_t>(window.rows, window.cols, 1);
+            visit_holes(about.valid, tier, number, level, window,
+                        [&](std::int64_t r, std::int64_t c) { out.mask(r, c) = 0; });
+        }
         if (!about.damaged) continue;
-        const auto i = static_cast<std::int64_t>(k);
-        LatticeBox box =
-            tree_.box(tier, (met.row0 + i / met.cols) * across + met.col0 + i % met.cols);
+        const LatticeBox box = tree_.box(tier, number);
         const int bits = TileTree::kTierLevels * tier;
         out.damaged.push_back(
             {box.row0 << bits, box.col0 << bits, box.rows << bits, box.cols << bits});
     }
-    if (!holes) out.mask = {};
     return out;
 }
 

@@ -79,9 +79,9 @@ LatticeLevel refine(LatticeLevel& coarse, std::int64_t rows, std::int64_t cols) 
     fine.borders = coarse.borders;
     fine.lowest = coarse.lowest;
     fine.highest = coarse.highest;
-    fine.values = Values(rows, cols);
-    fine.quotients = MarginGrid<std::int16_t>(rows, cols);
-    fine.valid = MarginGrid<std::uint8_t>(rows, cols);
+    fine.values = Values::uninitialised(rows, cols);
+    fine.quotients = MarginGrid<std::int16_t>::uninitialised(rows, cols);
+    fine.valid = MarginGrid<std::uint8_t>::uninitialised(rows, cols);
     constexpr std::int64_t margin = Values::kMargin;
     for (std::int64_t r = -margin; r < rows + margin; r += 2) {
         std::int32_t* to = fine.values.row(r);

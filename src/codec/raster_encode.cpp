@@ -198,7 +198,7 @@ Result<double> detail_energy(const Raster& raster, const SchemeSpec& spec) {
     if (spec.id != SchemeId::Fvs) return pyramid_energy(raster, spec);
     const MemoryRaster source(raster);
     RELIEF_TRY(const Survey seen, survey(source, {}));
-    return coarse_energy(raster, 0, seen, source.description());
+    return coarse_energy(view_of(raster), 0, seen, source.description());
 }
 
 }  // namespace relief::codec

@@ -97,7 +97,8 @@ Coded encode(LevelCodec& codec, const Surface& surface, int levels) {
     Coded coded{{}, surface.coarsest(levels)};
     for (int level = levels - 1; level >= 0; --level) {
         LatticeLevel fine = surface.refined(coded.finest);
-        codec.encode(fine, surface.samples_at(level).view(), coded.chunks.emplace_back());
+        EXPECT_TRUE(
+            codec.encode(fine, surface.samples_at(level).view(), coded.chunks.emplace_back()));
         fill_edge_margins(fine);
         coded.finest = std::move(fine);
     }

@@ -115,7 +115,7 @@ Encoded encode(const Source& s, LevelCodec& codec) {
     for (int l = s.levels - 1; l >= 0; --l) {
         LatticeLevel fine = finer_level(out.levels.back(), s);
         const Samples samples = decimated(s, l);
-        codec.encode(fine, samples.view(), out.chunks.emplace_back());
+        EXPECT_TRUE(codec.encode(fine, samples.view(), out.chunks.emplace_back()));
         out.levels.push_back(std::move(fine));
     }
     return out;
@@ -153,7 +153,7 @@ void expect_round_trip(const Source& s) {
         LatticeLevel fine = finer_level(coarse, s);
         LatticeLevel decoded = finer_level(decoded_coarse, s);
         Chunk chunk;
-        encoder->encode(fine, decimated(s, l).view(), chunk);
+        EXPECT_TRUE(encoder->encode(fine, decimated(s, l).view(), chunk));
         const Status status = decoder->decode(decoded, chunk);
         ASSERT_TRUE(status.ok()) << status.error().text();
         expect_equal(fine, decoded);
