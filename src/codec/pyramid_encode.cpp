@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
 
 #include "codec/corrections.h"
+#include "codec/decimal.h"
 #include "codec/pyramid_code.h"
 #include "codec/pyramid_encode.h"
 #include "codec/quantised_refit.h"
@@ -32,27 +32,11 @@ constexpr double kLargestStep = 1e99;
 /// Bounds below so many of a float type's steps may cost more than exactness.
 constexpr double kNearlyExact = 64;
 
-/// x to so many decimal digits: short in a header.
-double rounded(double x, int digits) {
-    std::array<char, 64> text;
-    const auto end = std::to_chars(text.data(), text.data() + text.size(), x,
-                                   std::chars_format::scientific, digits - 1);
-    double value = x;
-    std::from_chars(text.data(), end.ptr, value);
-    return value;
-}
-
 double mean_of(const Grid<double>& plane) {
     double sum = 0;
     for (std::int64_t r = 0; r < plane.rows(); ++r)
         for (std::int64_t c = 0; c < plane.cols(); ++c) sum += plane(r, c);
     return rounded(sum / static_cast<double>(plane.count()), 5);
-}
-
-/// Not below x >= 0.
-double rounded_up(double x, int digits) {
-    const double nearest = rounded(x, digits);
-    return nearest >= x ? nearest : rounded(x * (1 + 0.5 * std::pow(10.0, 1 - digits)), digits);
 }
 
 /// One way to code the raster: quantised coefficients, the surface they give, how far it is off,
