@@ -86,7 +86,7 @@ Result<Outcome> info_of_relief(const std::string& path) {
                         {"rms_error", json_number(file.rms_error())},
                         {"bound", bound ? json_number(*bound) : Json(nullptr)},
                         {"edits", file.moves().size()},
-                        {"crs", about.geo.crs_wkt},
+                        {"crs", about.geo.crs},
                         {"extent", extent_of(about.geo, layout.rows, layout.cols)},
                         {"checksums_ok", file.checksums_ok()}};
     outcome.text = fmt::format("{}: relief version {}, {} bytes, checksums {}\n", path,
@@ -151,7 +151,7 @@ Result<Outcome> info_of_raster(const std::string& path, const Globals& globals) 
                         {"bands", bands},
                         {"bytes", std::filesystem::file_size(path, ignored)},
                         {"bound", nullptr},
-                        {"crs", raster.geo.crs_wkt},
+                        {"crs", raster.geo.crs},
                         {"extent", extent_of(raster.geo, raster.rows, raster.cols)},
                         {"checksums_ok", nullptr}};
     outcome.text = text;

@@ -19,16 +19,13 @@ namespace {
 /// mode.
 constexpr std::array<std::uint8_t, 10> kMagic = {'R', 'E',  'L',  'I',  'E',
                                                  'F', 0x89, '\r', '\n', 0x1a};
-constexpr std::size_t kChecksumSize = 8;
+constexpr std::size_t kChecksumSize = 4;
 constexpr int kZstdLevel = 19;
 constexpr std::uint64_t kMostChunks = std::uint64_t{1} << 40;
 constexpr std::uint64_t kLargestFile = std::uint64_t{1} << 62;
-/// A length, and a bound.
-constexpr std::uint64_t kSmallestEntry = 3;
-
-std::uint64_t checksum(std::span<const std::uint8_t> bytes) {
-    return XXH3_64bits(bytes.data(), bytes.size());
-}
+/// All Zstandard frames begin with these bytes; files leave them out.
+constexpr std::array<std::uint8_t, 4> kFrameMagic = {0x28, 0xb5, 0x2f, 0xfd};
+constexpr double kUnknown = std::numeric_limits<double>::infinity();
 
 Error bad_file(std::string message, std::uint64_t byte) {
     return {ErrorCode::BadFile, std::move(message), "byte " + std::to_string(byte)};
@@ -47,13 +44,11 @@ double bound_of(std::uint16_t code) {
 }
 
 struct Preamble {
-    std::uint32_t header_bytes = 0;  ///< compressed
-    std::uint32_t header_size = 0;   ///< as JSON text
+    std::uint64_t size = 0;          ///< of the preamble itself
+    std::uint64_t header_bytes = 0;  ///< compressed
     std::uint64_t directory_bytes = 0;
 
-    [[nodiscard]] std::uint64_t header_end() const {
-        return ContainerReader::kPreambleSize + std::uint64_t{header_bytes};
-    }
+    [[nodiscard]] std::uint64_t header_end() const { return size + header_bytes; }
     [[nodiscard]] std::uint64_t directory_end() const { return header_end() + directory_bytes; }
     [[nodiscard]] std::uint64_t head_size() const { return directory_end() + kChecksumSize; }
 };
@@ -61,10 +56,8 @@ struct Preamble {
 void put_preamble(ByteWriter& out, const Preamble& preamble) {
     out.bytes(kMagic);
     out.u16(kContainerVersion);
-    out.u32(0);  // flags
-    out.u32(preamble.header_bytes);
-    out.u32(preamble.header_size);
-    out.u64(preamble.directory_bytes);
+    out.varint(preamble.header_bytes);
+    out.varint(preamble.directory_bytes);
 }
 
 Result<Preamble> read_preamble(std::span<const std::uint8_t> bytes) {
@@ -78,75 +71,102 @@ Result<Preamble> read_preamble(std::span<const std::uint8_t> bytes) {
             "the file was altered on its way, perhaps by a transfer in text mode; fetch it again "
             "as binary",
             6);
-    if (bytes.size() < ContainerReader::kPreambleSize)
-        return bad_file("the file ends in its first 32 bytes; fetch it again", bytes.size());
-    ByteReader in(bytes.subspan(kMagic.size()));
+    ByteReader in(bytes.subspan(known));
     const std::uint16_t version = in.u16();
-    const std::uint32_t flags = in.u32();
-    if (version != kContainerVersion || flags != 0)
+    if (!in.failed() && version != kContainerVersion)
         return Error{ErrorCode::Unsupported,
-                     "the file has version " + std::to_string(version) + " with flags " +
-                         std::to_string(flags) + ", this program reads version " +
-                         std::to_string(kContainerVersion) +
+                     "the file has version " + std::to_string(version) +
+                         ", this program reads version " + std::to_string(kContainerVersion) +
                          (version < kContainerVersion ? "; it was a trial, encode the data again"
                                                       : "; use a newer one"),
                      "byte 10"};
     Preamble preamble;
-    preamble.header_bytes = in.u32();
-    preamble.header_size = in.u32();
-    preamble.directory_bytes = in.u64();
-    if (preamble.header_size > kHeaderLimit)
-        return bad_file("the header claims to be over 16 MiB", 20);
-    if (preamble.directory_bytes > kLargestFile)
-        return bad_file("the directory claims to be larger than any file", 24);
+    preamble.header_bytes = in.varint();
+    preamble.directory_bytes = in.varint();
+    preamble.size = bytes.size() - in.rest().size();
+    if (in.failed() && bytes.size() < ContainerReader::kLargestPreamble)
+        return bad_file("the file ends in its first bytes; fetch it again", bytes.size());
+    if (in.failed() || preamble.header_bytes > kLargestFile ||
+        preamble.directory_bytes > kLargestFile)
+        return bad_file("header or directory claim to be larger than any file", 12);
     return preamble;
 }
 
-Result<std::string> unpack_header(std::span<const std::uint8_t> packed, std::uint32_t size) {
-    constexpr std::uint64_t where = ContainerReader::kPreambleSize;
-    if (ZSTD_getFrameContentSize(packed.data(), packed.size()) != size)
-        return bad_file("the header has not the size it claims", where);
-    std::string header(size, '\0');
+Result<std::string> unpack_header(std::span<const std::uint8_t> packed, std::uint64_t where) {
+    Bytes frame(kFrameMagic.begin(), kFrameMagic.end());
+    frame.insert(frame.end(), packed.begin(), packed.end());
+    const unsigned long long size = ZSTD_getFrameContentSize(frame.data(), frame.size());
+    if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN)
+        return bad_file("the header does not say its size", where);
+    if (size > kHeaderLimit) return bad_file("the header claims to be over 16 MiB", where);
+    std::string header(static_cast<std::size_t>(size), '\0');
     const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(),
                                                                        &ZSTD_freeDCtx);
-    const std::size_t unpacked = ZSTD_decompress_usingDict(
-        context.get(), header.data(), header.size(), packed.data(), packed.size(),
-        kHeaderDictionary.data(), kHeaderDictionary.size());
+    const std::size_t unpacked =
+        ZSTD_decompress_usingDict(context.get(), header.data(), header.size(), frame.data(),
+                                  frame.size(), kHeaderDictionary.data(), kHeaderDictionary.size());
     if (ZSTD_isError(unpacked) || unpacked != header.size())
         return bad_file("the header can not be decompressed", where);
     return header;
+}
+
+Bytes pack_header(const std::string& header) {
+    Bytes frame(ZSTD_compressBound(header.size()));
+    const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(),
+                                                                       &ZSTD_freeCCtx);
+    frame.resize(ZSTD_compress_usingDict(context.get(), frame.data(), frame.size(), header.data(),
+                                         header.size(), kHeaderDictionary.data(),
+                                         kHeaderDictionary.size(), kZstdLevel));
+    frame.erase(frame.begin(), frame.begin() + kFrameMagic.size());
+    return frame;
 }
 
 /// Each chunk begins where the last ended, so none overlap and no sum overflows.
 Result<std::vector<ChunkInfo>> read_directory(std::span<const std::uint8_t> bytes,
                                               const Preamble& preamble) {
     ByteReader in(bytes);
-    const std::uint64_t count = in.varint();
-    if (in.failed() || count > bytes.size() / kSmallestEntry)
-        return bad_file("the directory claims more chunks than it holds", preamble.header_end());
-    std::vector<ChunkInfo> directory(static_cast<std::size_t>(count));
+    std::vector<ChunkInfo> directory;
     std::uint64_t next = preamble.head_size();
-    for (ChunkInfo& chunk : directory) {
+    double bound = kUnknown;
+    while (!in.rest().empty()) {
+        ChunkInfo& chunk = directory.emplace_back();
+        const std::uint64_t entry = in.varint();
+        if ((entry & 1) != 0) bound = bound_of(in.u16());
         chunk.offset = next;
-        chunk.length = in.varint();
-        chunk.bound = bound_of(in.u16());
+        chunk.length = entry >> 1;
+        chunk.bound = bound;
         if (chunk.length > 0) chunk.checksum = in.u32();
         const std::uint64_t where = preamble.directory_end() - in.rest().size();
-        if (in.failed() || chunk.length > kLargestFile || next > kLargestFile)
+        if (in.failed())
+            return bad_file("the directory ends inside an entry", preamble.directory_end());
+        if (chunk.length > kLargestFile || next > kLargestFile)
             return bad_file("a chunk claims to be larger than any file", where);
-        if (!(chunk.bound >= 0))
-            return bad_file("an error bound is negative or not a number", where);
+        if (!(bound >= 0)) return bad_file("an error bound is negative or not a number", where);
         next += chunk.length;
     }
-    if (!in.rest().empty())
-        return bad_file("the directory is longer than its chunks", preamble.directory_end());
     return directory;
+}
+
+Result<Bytes> pack_directory(const std::vector<ChunkInfo>& chunks) {
+    ByteWriter directory;
+    std::uint16_t last = bound_code(kUnknown);
+    for (const ChunkInfo& chunk : chunks) {
+        if (!(chunk.bound >= 0))
+            return Error{ErrorCode::InvalidArgument,
+                         "an error bound must be a number and not negative", "directory"};
+        const std::uint16_t bound = bound_code(chunk.bound);
+        directory.varint(2 * chunk.length + (bound != last ? 1 : 0));
+        if (bound != last) directory.u16(bound);
+        if (chunk.length > 0) directory.u32(chunk.checksum);
+        last = bound;
+    }
+    return directory.take();
 }
 
 }  // namespace
 
 std::uint32_t chunk_checksum(std::span<const std::uint8_t> bytes) {
-    return static_cast<std::uint32_t>(checksum(bytes));
+    return static_cast<std::uint32_t>(XXH3_64bits(bytes.data(), bytes.size()));
 }
 
 Result<Bytes> container_head(const std::string& header, const std::vector<ChunkInfo>& chunks) {
@@ -155,34 +175,15 @@ Result<Bytes> container_head(const std::string& header, const std::vector<ChunkI
                      "header"};
     if (chunks.size() > kMostChunks)
         return Error{ErrorCode::InvalidArgument, "a file holds at most 2^40 chunks", "directory"};
-    Bytes packed(ZSTD_compressBound(header.size()));
-    const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(),
-                                                                       &ZSTD_freeCCtx);
-    packed.resize(ZSTD_compress_usingDict(context.get(), packed.data(), packed.size(),
-                                          header.data(), header.size(), kHeaderDictionary.data(),
-                                          kHeaderDictionary.size(), kZstdLevel));
-    ByteWriter directory;
-    directory.varint(chunks.size());
-    for (const ChunkInfo& chunk : chunks) {
-        if (!(chunk.bound >= 0))
-            return Error{ErrorCode::InvalidArgument,
-                         "an error bound must be a number and not negative", "directory"};
-        directory.varint(chunk.length);
-        directory.u16(bound_code(chunk.bound));
-        if (chunk.length > 0) directory.u32(chunk.checksum);
-    }
-    const Bytes entries = directory.take();
-    Preamble preamble;
-    preamble.header_bytes = static_cast<std::uint32_t>(packed.size());
-    preamble.header_size = static_cast<std::uint32_t>(header.size());
-    preamble.directory_bytes = entries.size();
+    const Bytes packed = pack_header(header);
+    RELIEF_TRY(const Bytes directory, pack_directory(chunks));
     ByteWriter out;
-    put_preamble(out, preamble);
+    put_preamble(out, {.header_bytes = packed.size(), .directory_bytes = directory.size()});
     out.bytes(packed);
-    out.bytes(entries);
+    out.bytes(directory);
     Bytes head = out.take();
     ByteWriter sum;
-    sum.u64(checksum(head));
+    sum.u32(chunk_checksum(head));
     const Bytes tail = sum.take();
     head.insert(head.end(), tail.begin(), tail.end());
     return head;
@@ -203,7 +204,8 @@ Result<ContainerReader> ContainerReader::open(std::shared_ptr<const ByteSource> 
                                               std::uint64_t visible) {
     ContainerReader reader;
     reader.visible_ = std::min(visible, source->size());
-    Bytes first(static_cast<std::size_t>(std::min<std::uint64_t>(kPreambleSize, reader.visible_)));
+    Bytes first(
+        static_cast<std::size_t>(std::min<std::uint64_t>(kLargestPreamble, reader.visible_)));
     RELIEF_CHECK(source->read(0, first));
     RELIEF_TRY(const Preamble preamble, read_preamble(first));
     reader.head_size_ = preamble.head_size();
@@ -217,10 +219,10 @@ Result<ContainerReader> ContainerReader::open(std::shared_ptr<const ByteSource> 
     RELIEF_CHECK(source->read(0, head));
     const std::span<const std::uint8_t> all(head);
     ByteReader sum(all.subspan(preamble.directory_end()));
-    if (checksum(all.first(preamble.directory_end())) != sum.u64())
-        return bad_file("header or directory are damaged: their checksum differs", kPreambleSize);
-    RELIEF_TRY(reader.header_, unpack_header(all.subspan(kPreambleSize, preamble.header_bytes),
-                                             preamble.header_size));
+    if (chunk_checksum(all.first(preamble.directory_end())) != sum.u32())
+        return bad_file("header or directory are damaged: their checksum differs", preamble.size);
+    RELIEF_TRY(reader.header_,
+               unpack_header(all.subspan(preamble.size, preamble.header_bytes), preamble.size));
     RELIEF_TRY(
         reader.directory_,
         read_directory(all.subspan(preamble.header_end(), preamble.directory_bytes), preamble));

@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "codec/decimal.h"
+
 namespace relief::codec {
 
 namespace {
@@ -17,6 +19,8 @@ constexpr std::array<double, 14> kUnits = {1,    0.5,  0.3048, 1200.0 / 3937, 1 
 /// Samples without a lattice: so many units in a step make conversion to integers cost next to
 /// nothing.
 constexpr std::int32_t kFineStep = 63;
+/// Enough that rounding lengthens no file, and short in the header.
+constexpr int kUnitDigits = 6;
 /// Predictions add up neighbours in 32 and 64 bits: samples have 29.
 constexpr double kLargestInteger = (1 << 29) - 1;
 /// Origins and multiples are exact in double up to here.
@@ -108,7 +112,7 @@ std::optional<IntegerDomain> make_domain(const SampleStatistics& s, SampleType t
     }
     if (!domain.lattice) {
         if (!(fine_bound > 0) || is_integer(type)) return {};
-        domain.unit = 2 * fine_bound / kFineStep;
+        domain.unit = rounded_down(2 * fine_bound / kFineStep, kUnitDigits);
         domain.step = kFineStep;
     }
     domain.origin = std::nearbyint(s.lowest / domain.unit);

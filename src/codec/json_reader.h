@@ -11,11 +11,20 @@
 
 namespace relief::codec {
 
-/// JSON has no NaN or infinity.
+/// JSON has no NaN or infinity. Integers are written without a fraction.
 inline nlohmann::json json_number(double value) {
     if (std::isnan(value)) return "nan";
     if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+    const bool integer = std::abs(value) < 0x1p53 && value == std::floor(value);
+    if (integer && !(value == 0 && std::signbit(value))) return static_cast<std::int64_t>(value);
     return value;
+}
+
+template <class Numbers>
+nlohmann::json json_numbers(const Numbers& values) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const double value : values) list.push_back(json_number(value));
+    return list;
 }
 
 inline Error bad_header(const std::string& what) {

@@ -210,7 +210,7 @@ class PyramidBody final : public RasterBody {
         const std::vector<double>& bounds = header_.pyramid.bounds;
         if (fewest == layers_ && level > 0) {
             const auto k = static_cast<std::size_t>(level - 1);
-            return k < bounds.size() ? bounds[k] : unknown;
+            return bounds.empty() ? unknown : bounds[std::min(k, bounds.size() - 1)];
         }
         const bool whole = corrected(0) || container_.chunks()[correction_chunk()].length == 0;
         if (fewest == layers_ && whole)

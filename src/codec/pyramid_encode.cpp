@@ -5,6 +5,7 @@
 #include <string>
 
 #include "codec/corrections.h"
+#include "codec/decimal.h"
 #include "codec/pyramid_code.h"
 #include "codec/pyramid_encode.h"
 #include "codec/pyramid_search.h"

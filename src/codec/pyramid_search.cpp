@@ -1,9 +1,8 @@
 #include "codec/pyramid_search.h"
 
-#include <array>
-#include <charconv>
 #include <string>
 
+#include "codec/decimal.h"
 #include "codec/quantised_refit.h"
 
 namespace relief::codec {
@@ -16,22 +15,7 @@ constexpr int kRefitIterations = 8;
 /// Samples up to here leave room for what filters add.
 constexpr double kLargestSample = 1e45;
 
-/// x to so many decimal digits.
-double rounded(double x, int digits) {
-    std::array<char, 64> text;
-    const auto end = std::to_chars(text.data(), text.data() + text.size(), x,
-                                   std::chars_format::scientific, digits - 1);
-    double value = x;
-    std::from_chars(text.data(), end.ptr, value);
-    return value;
-}
-
 }  // namespace
-
-double rounded_up(double x, int digits) {
-    const double nearest = rounded(x, digits);
-    return nearest >= x ? nearest : rounded(x * (1 + 0.5 * std::pow(10.0, 1 - digits)), digits);
-}
 
 std::vector<double> means_of(const multires::Planes<double>& scaling) {
     std::vector<double> means;

@@ -15,9 +15,6 @@ namespace relief::codec {
 /// Beyond it all values are 0.
 inline constexpr double kLargestStep = 1e99;
 
-/// A number not below x >= 0, of so many decimal digits: short in a header.
-[[nodiscard]] double rounded_up(double x, int digits);
-
 /// Means of the components of a scaling band, of 5 digits.
 [[nodiscard]] std::vector<double> means_of(const multires::Planes<double>& scaling);
 

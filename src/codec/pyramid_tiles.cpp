@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "codec/decimal.h"
 #include "codec/embedded_quantiser.h"
 #include "codec/pyramid_code.h"
 #include "codec/pyramid_measure.h"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "codec/decimal.h"
 #include "codec/json_reader.h"
 #include "codec/raster_header.h"
 
@@ -28,7 +29,7 @@ Json lattice_json(const ValueLattice& lattice) {
     Json json{{"kind", lattice_name(lattice.kind)}};
     if (lattice.digits != 0) json["digits"] = lattice.digits;
     if (lattice.multiple != 1) json["multiple"] = lattice.multiple;
-    if (lattice.kind == Kind::Step) json["step"] = lattice.step;
+    if (lattice.kind == Kind::Step) json["step"] = json_number(lattice.step);
     return json;
 }
 
@@ -90,10 +91,11 @@ std::string write_quad_header(const QuadHeader& header) {
               {"vertices", header.vertices},
               {"quads", header.quads},
               {"scheme", Json{{"name", "fvs"}, {"order", 3}, {"levels", header.levels}}},
-              {"goal", Json{{"kind", goal_name(header.goal.kind)}, {"value", header.goal.value}}},
-              {"error", Json{{"max", json_number(header.max_error)},
-                             {"rms", json_number(header.rms_error)},
-                             {"surface", json_number(header.surface_error)}}}};
+              {"goal", goal_json(header.goal)}};
+    Json error = error_json(header.max_error, header.rms_error, header.goal);
+    if (header.surface_error != 0)
+        error["surface"] = json_number(rounded_up(header.surface_error, 4));
+    if (!error.empty()) json["error"] = std::move(error);
     if (header.x_digits) json["x_digits"] = *header.x_digits;
     if (header.y_digits) json["y_digits"] = *header.y_digits;
     if (header.lattice) json["values"] = lattice_json(*header.lattice);

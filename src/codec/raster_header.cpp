@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "codec/decimal.h"
 #include "codec/json_reader.h"
 
 namespace relief::codec {
@@ -17,20 +18,19 @@ constexpr std::array<std::string_view, 5> kGoals = {"keep", "rms-error", "max-er
                                                     "lossless"};
 
 using Reader = JsonReader;
-constexpr auto number = json_number;
 constexpr auto bad = bad_header;
 
 Json georeference_json(const GeoReference& geo) {
     Json json = Json::object();
-    if (geo.transform) json["transform"] = *geo.transform;
-    if (!geo.crs_wkt.empty()) json["crs"] = geo.crs_wkt;
+    if (geo.transform) json["transform"] = json_numbers(*geo.transform);
+    if (!geo.crs.empty()) json["crs"] = geo.crs;
     if (geo.pixel_is_point) json["point"] = true;
     return json;
 }
 
 Status read_georeference(const Json& json, GeoReference& geo) {
     Reader reader(json);
-    geo.crs_wkt = reader.get<std::string>("crs", "");
+    geo.crs = reader.get<std::string>("crs", "");
     geo.pixel_is_point = reader.get("point", false);
     const Json& transform = reader.array("transform");
     if (!transform.empty()) {
@@ -46,15 +46,16 @@ Status read_georeference(const Json& json, GeoReference& geo) {
 }
 
 Json scheme_json(const multires::SchemeSpec& spec) {
-    Json json{
-        {"name", multires::scheme_name(spec.id)}, {"order", spec.order}, {"levels", spec.levels}};
+    Json json{{"name", multires::scheme_name(spec.id)}, {"levels", spec.levels}};
+    if (spec.order != 2) json["order"] = spec.order;
     if (spec.id == multires::SchemeId::Barycentric) {
-        json["family"] = multires::family_name(spec.family);
+        if (spec.family != multires::SchemeSpec().family)
+            json["family"] = multires::family_name(spec.family);
         if (spec.dual_order != 0) json["dual"] = spec.dual_order;
     }
     if (spec.id == multires::SchemeId::Cubic) {
         if (spec.exact) json["exact"] = true;
-    } else if (spec.order > 1) {
+    } else if (spec.order > 1 && spec.data_map != multires::DataMap::Interpolate) {
         json["map"] = multires::data_map_name(spec.data_map);
     }
     return json;
@@ -63,7 +64,7 @@ Json scheme_json(const multires::SchemeSpec& spec) {
 Status read_scheme(const Json& json, multires::SchemeSpec& spec) {
     Reader reader(json);
     const auto name = reader.get<std::string>("name", "", true);
-    spec.order = reader.get("order", 2, true);
+    spec.order = reader.get("order", 2);
     spec.levels = reader.get("levels", 0, true);
     spec.dual_order = reader.get("dual", 0);
     spec.exact = reader.get("exact", false);
@@ -89,10 +90,10 @@ Status read_scheme(const Json& json, multires::SchemeSpec& spec) {
 
 Json lattice_json(const LatticeCoding& coding) {
     Json json{{"profile", profile_name(coding.profile)}};
-    if (coding.tightening != 1) json["tightening"] = coding.tightening;
+    if (coding.tightening != 1) json["tightening"] = json_number(coding.tightening);
     for (const IntegerDomain& domain : coding.domains) {
-        Json item{{"unit", domain.unit}, {"highest", domain.highest}};
-        if (domain.origin != 0) item["origin"] = domain.origin;
+        Json item{{"unit", json_number(domain.unit)}, {"highest", domain.highest}};
+        if (domain.origin != 0) item["origin"] = json_number(domain.origin);
         if (domain.step != 1) item["step"] = domain.step;
         if (domain.lattice) item["lattice"] = true;
         json["domains"].push_back(std::move(item));
@@ -146,11 +147,13 @@ Status read_lattice(const Json& json, RasterHeader& header) {
 Json pyramid_json(const PyramidCoding& coding) {
     Json json{{"planes", coding.layers}};
     if (coding.exponents.empty())
-        json["step"] = coding.step;
+        json["step"] = json_number(coding.step);
     else
         json["exponents"] = coding.exponents;
-    json["means"] = coding.means;
-    for (const double bound : coding.bounds) json["bounds"].push_back(number(bound));
+    json["means"] = json_numbers(coding.means);
+    std::vector<double> bounds = coding.bounds;
+    while (bounds.size() > 1 && bounds.back() == bounds[bounds.size() - 2]) bounds.pop_back();
+    if (!bounds.empty()) json["bounds"] = json_numbers(bounds);
     return json;
 }
 
@@ -239,28 +242,45 @@ std::string_view goal_name(Goal::Kind kind) {
     return kGoals[static_cast<std::size_t>(kind)];
 }
 
+Json goal_json(const Goal& goal) {
+    Json json{{"kind", goal_name(goal.kind)}};
+    if (goal.value != 0) json["value"] = json_number(goal.value);
+    return json;
+}
+
+Json error_json(double max, double rms, const Goal& goal) {
+    constexpr int digits = 4;
+    double shown = rounded_up(max, digits);
+    if (goal.kind == Goal::Kind::MaxError && max <= goal.value) shown = std::min(shown, goal.value);
+    Json json = Json::object();
+    if (shown != 0) json["max"] = json_number(shown);
+    if (rms != 0) json["rms"] = json_number(rounded(rms, digits));
+    return json;
+}
+
 std::string write_header(const RasterHeader& header) {
     const Raster& raster = header.description;
-    Json json{
-        {"content", "raster"},
-        {"rows", raster.rows},
-        {"cols", raster.cols},
-        {"type", sample_type_name(raster.type)},
-        {"scheme", scheme_json(header.spec)},
-        {"goal", Json{{"kind", goal_name(header.goal.kind)}, {"value", number(header.goal.value)}}},
-        {"error", Json{{"max", number(header.max_error)}, {"rms", number(header.rms_error)}}}};
-    if (header.lattice)
+    Json json{{"content", "raster"},
+              {"rows", raster.rows},
+              {"cols", raster.cols},
+              {"type", sample_type_name(raster.type)},
+              {"goal", goal_json(header.goal)}};
+    if (Json error = error_json(header.max_error, header.rms_error, header.goal); !error.empty())
+        json["error"] = std::move(error);
+    if (header.lattice) {
         json["lattice"] = lattice_json(*header.lattice);
-    else
+    } else {
+        json["scheme"] = scheme_json(header.spec);
         json["pyramid"] = pyramid_json(header.pyramid);
+    }
     if (header.components != 1) json["components"] = header.components;
     if (header.has_mask) json["mask"] = true;
-    if (raster.nodata) json["nodata"] = number(*raster.nodata);
+    if (raster.nodata) json["nodata"] = json_number(*raster.nodata);
     if (Json geo = georeference_json(raster.geo); !geo.empty())
         json["georeference"] = std::move(geo);
     if (!raster.unit.empty()) json["unit"] = raster.unit;
-    if (raster.scale != 1) json["scale"] = number(raster.scale);
-    if (raster.offset != 0) json["offset"] = number(raster.offset);
+    if (raster.scale != 1) json["scale"] = json_number(raster.scale);
+    if (raster.offset != 0) json["offset"] = json_number(raster.offset);
     if (!raster.band_names.empty()) json["bands"] = raster.band_names;
     if (!raster.metadata.empty()) json["metadata"] = raster.metadata;
     // Names may come from files in any encoding: bytes that are not UTF-8 are replaced, not thrown
@@ -282,14 +302,16 @@ Result<RasterHeader> read_header(const std::string& text) {
         return Error{ErrorCode::Unsupported,
                      "holds '" + content + "', this version reads rasters only", "header"};
     RELIEF_CHECK(read_description(json, header));
-    RELIEF_CHECK(read_scheme(scheme, header.spec));
     if (json.contains("lattice")) {
         RELIEF_CHECK(read_lattice(reader.object("lattice"), header));
-        RELIEF_CHECK(reader.status());
+        const Raster& raster = header.description;
+        header.spec = {.id = multires::SchemeId::Fvs,
+                       .levels = TileTree(raster.rows, raster.cols).levels()};
     } else {
+        RELIEF_CHECK(read_scheme(scheme, header.spec));
         RELIEF_CHECK(read_pyramid(reader.object("pyramid"), header));
-        RELIEF_CHECK(reader.status());
     }
+    RELIEF_CHECK(reader.status());
     Reader goal(goal_json);
     const auto kind = goal.get<std::string>("kind", "rms-error");
     header.goal.value = goal.get("value", 0.0);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,10 @@ struct RasterHeader {
 
 [[nodiscard]] std::string_view profile_name(Profile profile);
 [[nodiscard]] std::string_view goal_name(Goal::Kind kind);
+
+/// Members of headers of all contents. Errors keep four digits, the largest one rounded up.
+[[nodiscard]] nlohmann::json goal_json(const Goal& goal);
+[[nodiscard]] nlohmann::json error_json(double max, double rms, const Goal& goal);
 
 /// JSON text. Members with their default values are left out.
 [[nodiscard]] std::string write_header(const RasterHeader& header);

@@ -40,7 +40,7 @@ CellSize cell_size_metres(const GeoReference& geo, std::int64_t rows) {
     if (!geo.transform) return {};
     const detail::GdalScope gdal;
     const std::array<double, 6>& t = *geo.transform;
-    const Crs crs = parse_crs(geo.crs_wkt);
+    const Crs crs = parse_crs(geo.crs);
     CellSize scale{crs.unit, crs.unit};
     if (crs.geographic) {
         const double middle = t[3] + t[5] * static_cast<double>(rows) / 2;

@@ -29,13 +29,20 @@ def checksum(data):
     return xxh3(data, ctypes.c_size_t(len(data)))
 
 
-def unpacked(packed, size):
+def unpacked(packed):
+    """The text of a Zstandard frame without its magic number."""
     with open(os.path.join(DOCS, "header-dictionary.txt"), "rb") as file:
         dictionary = file.read()
+    packed = b"\x28\xb5\x2f\xfd" + packed
     zstd = library("zstd")
+    size_t = ctypes.c_size_t
+    content_size = zstd.ZSTD_getFrameContentSize
+    content_size.restype = ctypes.c_uint64
+    size = content_size(packed, size_t(len(packed)))
+    assert size <= 2**24
     zstd.ZSTD_createDCtx.restype = context_type = ctypes.c_void_p
     decompress = zstd.ZSTD_decompress_usingDict
-    decompress.restype = size_t = ctypes.c_size_t
+    decompress.restype = size_t
     text = ctypes.create_string_buffer(size)
     context = context_type(zstd.ZSTD_createDCtx())
     written = decompress(context, text, size_t(size), packed, size_t(len(packed)), dictionary,
@@ -49,19 +56,22 @@ def open_container(data):
     """The header, and the chunks with what the directory says of their errors."""
     file = Bytes(data)
     assert file.take(10) == b"RELIEF\x89\r\n\x1a"
-    assert (file.number("H"), file.number("I")) == (1, 0)
-    packed, size, directory_bytes = (file.number(form) for form in "IIQ")
-    header = json.loads(unpacked(file.take(packed), size))
+    assert file.number("H") == 1
+    packed, directory_bytes = file.varint(), file.varint()
+    header = json.loads(unpacked(file.take(packed)))
     directory = Bytes(file.take(directory_bytes))
-    assert checksum(data[:file.at]) == file.number("Q")
+    assert checksum(data[:file.at]) & 0xFFFFFFFF == file.number("I")
     chunks, bounds = [], []
-    for _ in range(directory.varint()):
-        length = directory.varint()
-        bounds.append(struct.unpack("<f", b"\0\0" + directory.take(2))[0])
+    bound = math.inf
+    while not directory.at_end():
+        length, new_bound = divmod(directory.varint(), 2)
+        if new_bound:
+            bound = struct.unpack("<f", b"\0\0" + directory.take(2))[0]
+        bounds.append(bound)
         chunks.append(file.take(length))
         if length:
             assert checksum(chunks[-1]) & 0xFFFFFFFF == directory.number("I")
-    assert directory.at_end() and file.at_end()
+    assert file.at_end()
     return header, chunks, bounds
 
 

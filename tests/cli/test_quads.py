@@ -158,7 +158,10 @@ class RoundTrips(Quads):
                     errors.append(abs(z - c))
                 self.assertLessEqual(max(errors), bound)
                 self.assertEqual(max(errors), report["max_error"])
-                self.assertEqual((report["bound"], decode["bound"]), (bound, report["max_error"]))
+                self.assertEqual(report["bound"], bound)
+                # The header keeps four digits, rounded up.
+                self.assertGreaterEqual(decode["bound"], report["max_error"])
+                self.assertLessEqual(decode["bound"], min(bound, 1.0011 * report["max_error"]))
                 self.assertGreaterEqual(report["surface_bound"], report["max_error"])
                 # Derivatives are estimated from values that are off by up to the bound.
                 self.assertLess(report["surface_bound"], 4 * bound)

@@ -23,7 +23,7 @@ class ReferenceDecoder(Case):
         dem = self.raster("dem.tif", planes, nodata=nodata)
         for profile in PROFILES:
             with self.subTest(profile=profile, options=options):
-                file, report = self.encoded(dem, *options, "--profile", profile)
+                file, report = self.encoded(dem, *options, "--scheme", "fvs", "--profile", profile)
                 self.assertTrue(report["closed_loop"])
                 decoder = Decoder(contents_of(file))
                 self.assertEqual(decoder.lattice["profile"], profile)

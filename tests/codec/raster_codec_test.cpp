@@ -246,7 +246,7 @@ TEST(RasterCodec, DescriptionSurvives) {
     Raster raster = landscape(9, 8, SampleType::Int16, 2, 0, 1);
     raster.nodata = -32768;
     raster.geo.transform = {{1.5, 0.1, 1e-17, -7.25, 3, 1.0 / 3}};
-    raster.geo.crs_wkt = "LOCAL_CS[\"mine\"]";
+    raster.geo.crs = "LOCAL_CS[\"mine\"]";
     raster.geo.pixel_is_point = true;
     raster.unit = "ft";
     raster.scale = 0.1;

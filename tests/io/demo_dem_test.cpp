@@ -28,7 +28,7 @@ TEST_F(DemoDem, WritesTheModelNorthUp) {
     EXPECT_EQ(raster->cols, 403);
     EXPECT_EQ(raster->unit, "m");
     EXPECT_TRUE(raster->mask.empty());
-    EXPECT_NE(raster->geo.crs_wkt.find("ID[\"EPSG\",4326]"), std::string::npos);
+    EXPECT_EQ(raster->geo.crs, "EPSG:4326");
     // Three arc seconds, from the north-western corner; heights of the model's first row and its
     // range.
     const auto& t = *raster->geo.transform;

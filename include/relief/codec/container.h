@@ -58,7 +58,8 @@ class ContainerWriter {
 /// Reads a file or a prefix of one. Invariant: header and directory are verified.
 class ContainerReader {
   public:
-    static constexpr std::size_t kPreambleSize = 32;
+    /// What stands before the header has so many bytes at most.
+    static constexpr std::size_t kLargestPreamble = 32;
 
     /// Sees the first `visible` bytes of the source. A file that is shorter than its directory says
     /// opens too: chunks past its end are never complete. Errors: BadFile for what is not a .relief

@@ -43,7 +43,9 @@ struct GeoReference {
     /// x = t[0] + t[1] col + t[2] row, y = t[3] + t[4] col + t[5] row; (col, row) = (0, 0) is the
     /// outer corner of the first sample's cell, its centre is (0.5, 0.5).
     std::optional<std::array<double, 6>> transform = {};
-    std::string crs_wkt = {};     ///< WKT2:2019; empty: unknown. x is always east or longitude.
+    /// "EPSG:26911", or another authority and code, where these say everything; else WKT2:2019;
+    /// empty: unknown. x is always east or longitude.
+    std::string crs = {};
     bool pixel_is_point = false;  ///< samples stand for points, not for the mean of a cell
 
     friend bool operator==(const GeoReference&, const GeoReference&) = default;
