@@ -399,9 +399,11 @@ bool FastCodec::encode(LatticeLevel& level, GridView<const std::int32_t> source,
     head.put(static_cast<std::uint32_t>(width), 5);
     head.put(count, width);
     out.insert(out.end(), head.bytes().begin(), head.bytes().end());
+    std::size_t at = out.size();
+    out.resize(at + 2 * words.size());
     for (const std::uint16_t word : words) {
-        out.push_back(static_cast<std::uint8_t>(word));
-        out.push_back(static_cast<std::uint8_t>(word >> 8));
+        store(word, out.data() + at);
+        at += 2;
     }
     out.insert(out.end(), rest.begin(), rest.end());
     auto decoder = open(std::span(out).subspan(begin), known);
