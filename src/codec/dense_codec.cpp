@@ -183,7 +183,7 @@ class LevelPass {
         Bias* bias = nullptr;
         double p = learnt;
         if (rule) {
-            p = interpolated[*rule];
+            p = static_cast<double>(interpolated[*rule]) / 2;
             s.scale = *rule;  // a class below that of kScale.least
         } else {
             bias = &bias_of(row, c, learnt, s);
@@ -248,12 +248,11 @@ class LevelPass {
 
     [[nodiscard]] InterpolationRules::Predictions interpolate(const Row& row,
                                                               std::int64_t c) const {
-        const std::array<double, 4> n = {
-            static_cast<double>(row.nearest[0][c]), static_cast<double>(row.nearest[1][c]),
-            static_cast<double>(row.nearest[2][c]), static_cast<double>(row.nearest[3][c])};
+        const std::array<std::int64_t, 4> n = {row.nearest[0][c], row.nearest[1][c],
+                                               row.nearest[2][c], row.nearest[3][c]};
         const Offset d = row.stencil.nearest[1];
-        return {(n[0] + n[3]) / 2, (n[1] + n[2]) / 2,
-                2 * n[1] - level_.values(row.index + 2 * d.row, c + 2 * d.col)};
+        return {n[0] + n[3], n[1] + n[2],
+                2 * (2 * n[1] - level_.values(row.index + 2 * d.row, c + 2 * d.col))};
     }
 
     [[nodiscard]] std::int32_t quotient(std::int32_t residual) const {

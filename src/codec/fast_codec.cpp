@@ -209,6 +209,7 @@ class TokenCollector {
         const auto most = static_cast<std::size_t>(rows * padded((level.cols() + 1) / 2));
         classes_ = Buffer<std::uint8_t>(most);
         tokens_ = Buffer<std::uint8_t>(most);
+        quotients_ = Buffer<std::int32_t>(most);
     }
 
     void add_row(const SampleRow& row, RowBuffers& buffers) {
@@ -224,12 +225,11 @@ class TokenCollector {
             const std::int32_t place = buffers.places[static_cast<std::size_t>(k)];
             const std::int32_t quotient = buffers.quotients[static_cast<std::size_t>(place)];
             put_rest(tokens[place], quotient);
-            quotients_.push_back(quotient);
+            quotients_[nonzero_++] = quotient;
         }
-        all_zero_ &= count == 0;
     }
 
-    [[nodiscard]] bool all_zero() const { return all_zero_; }
+    [[nodiscard]] bool all_zero() const { return nonzero_ == 0; }
 
     /// Four tables in turn: adding twice in a row to one count would wait for the first sum.
     [[nodiscard]] ClassCounts counts() const {
@@ -249,13 +249,18 @@ class TokenCollector {
         room = Buffer<std::uint16_t>(size_ + 2 * states);
         std::uint16_t* const stop = room.data() + room.size();
         std::uint16_t* end = stop;
-        std::array<std::uint32_t, kMostStates> state;
-        state.fill(kRansLow);
-        for (std::size_t k = size_; k-- > 0;)
-            end = symbols[classes_[k]][tokens_[k]].encode(state[k % states], end);
-        for (std::size_t s = states; s-- > 0;) {
-            *--end = static_cast<std::uint16_t>(state[s] >> 16);
-            *--end = static_cast<std::uint16_t>(state[s]);
+        switch (states) {
+            case 1:
+                end = encode_tokens<1>(symbols, stop);
+                break;
+            case 2:
+                end = encode_tokens<2>(symbols, stop);
+                break;
+            case 4:
+                end = encode_tokens<4>(symbols, stop);
+                break;
+            default:
+                end = encode_tokens<8>(symbols, stop);
         }
         return {end, stop};
     }
@@ -298,6 +303,24 @@ class TokenCollector {
         return symbols;
     }
 
+    /// Writes words downwards from `end`; returns where they begin.
+    template <std::size_t kStates>
+    std::uint16_t* encode_tokens(const Symbols& symbols, std::uint16_t* end) const {
+        std::array<std::uint32_t, kStates> state;
+        state.fill(kRansLow);
+        for (std::size_t k = size_; k > 0; k -= kBatch) {
+            const std::uint8_t* classes = classes_.data() + k - kBatch;
+            const std::uint8_t* tokens = tokens_.data() + k - kBatch;
+            for (std::size_t s = kBatch; s-- > 0;)
+                end = symbols[classes[s]][tokens[s]].encode(state[s % kStates], end);
+        }
+        for (std::size_t s = kStates; s-- > 0;) {
+            *--end = static_cast<std::uint16_t>(state[s] >> 16);
+            *--end = static_cast<std::uint16_t>(state[s]);
+        }
+        return end;
+    }
+
     void put_rest(std::uint8_t token, std::int32_t quotient) {
         const TokenRange range = kRanges[token];
         const auto offset = static_cast<std::uint32_t>(std::abs(quotient) - range.first);
@@ -307,9 +330,9 @@ class TokenCollector {
     Buffer<std::uint8_t> classes_;
     Buffer<std::uint8_t> tokens_;
     std::size_t size_ = 0;
-    bool all_zero_ = true;
     BitWriter rest_;
-    std::vector<std::int32_t> quotients_;  ///< that are not 0
+    Buffer<std::int32_t> quotients_;  ///< that are not 0
+    std::size_t nonzero_ = 0;
 };
 
 /// Each state more costs about three bytes, which is to be one percent of the chunk.
@@ -376,9 +399,11 @@ bool FastCodec::encode(LatticeLevel& level, GridView<const std::int32_t> source,
     head.put(static_cast<std::uint32_t>(width), 5);
     head.put(count, width);
     out.insert(out.end(), head.bytes().begin(), head.bytes().end());
+    std::size_t at = out.size();
+    out.resize(at + 2 * words.size());
     for (const std::uint16_t word : words) {
-        out.push_back(static_cast<std::uint8_t>(word));
-        out.push_back(static_cast<std::uint8_t>(word >> 8));
+        store(word, out.data() + at);
+        at += 2;
     }
     out.insert(out.end(), rest.begin(), rest.end());
     auto decoder = open(std::span(out).subspan(begin), known);

@@ -21,6 +21,8 @@ constexpr double kLooseBits = 0.9;
 constexpr double kTightening = 1.1;
 /// Tiles that are encoded twice to choose.
 constexpr std::int64_t kTrialTiles = 4;
+/// Tiles that are encoded together, at least: threads that are done early wait for the others.
+constexpr std::int64_t kTilesPerThread = 4;
 
 Error cancelled() {
     return {ErrorCode::Cancelled, "encoding was cancelled", ""};
@@ -285,8 +287,8 @@ class Encoder {
     /// Rows of tiles, as many at a time as give every thread work.
     Status encode_finest() {
         const TileTree::Tier& tier = tree_.tier(0);
-        const std::int64_t together =
-            std::max<std::int64_t>(1, (2 * thread_count() + tier.tile_cols - 1) / tier.tile_cols);
+        const std::int64_t together = std::max<std::int64_t>(
+            1, (kTilesPerThread * thread_count() + tier.tile_cols - 1) / tier.tile_cols);
         for (std::int64_t row = 0; row < tier.tile_rows; row += together) {
             const std::int64_t rows = std::min(together, tier.tile_rows - row);
             RELIEF_CHECK(encode_rows(row, rows));

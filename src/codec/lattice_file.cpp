@@ -262,7 +262,7 @@ void LatticeFile::visit_holes(const Grid<std::uint8_t>& valid, int tier, std::in
                               int level, const LatticeBox& window, Visit visit) const {
     const int shift = level - TileTree::kTierLevels * tier;
     const LatticeBox have = in_level(tree_.box(tier, number), shift);
-    const LatticeBox part = common(have, window);
+    const LatticeBox part = intersection(have, window);
     for (std::int64_t r = 0; r < part.rows; ++r) {
         const std::uint8_t* row =
             valid.row((part.row0 - have.row0 + r) << shift) + ((part.col0 - have.col0) << shift);

@@ -80,12 +80,21 @@ struct LatticeLevel {
     [[nodiscard]] std::int64_t cols() const { return values.cols(); }
 };
 
+/// Makes the margins on raster borders, to 3 cells out, of a level that is decoded.
+void reflect_borders(LatticeLevel& level);
+
 /// The next finer level, rows x cols = at most twice the coarse one: EE samples and quotients
 /// copied, EE margins filled, all other samples and the mask NOT initialised. Mask and step are
 /// left for the caller. `coarse` must be decoded; its margins on raster borders are made here,
 /// those on other sides must be there (refine and fill_edge_margins make them). Requires:
 /// coarse.rows() = ceil(rows / 2), and so for columns.
 [[nodiscard]] LatticeLevel refine(LatticeLevel& coarse, std::int64_t rows, std::int64_t cols);
+
+/// What a point of a margin is, of its four nearest neighbours.
+[[nodiscard]] inline std::int32_t margin_mean(std::int32_t a, std::int32_t b, std::int32_t c,
+                                              std::int32_t d) {
+    return static_cast<std::int32_t>((std::int64_t{a} + b + c + d + 2) >> 2);
+}
 
 /// After the D samples are decoded: the D points of the margins, to 3 cells out, as means of their
 /// diagonal neighbours.
@@ -110,8 +119,8 @@ class LevelCodec {
     [[nodiscard]] virtual bool encode(LatticeLevel& level, GridView<const std::int32_t> source,
                                       std::vector<std::uint8_t>& out) = 0;
 
-    /// Errors: BadFile for bytes that no encoder writes. Never reads past `bytes`; the values of a
-    /// damaged level are finite nonsense.
+    /// Errors: BadFile for bytes that no encoder writes; the level is of no use then. Never reads
+    /// past `bytes`.
     [[nodiscard]] virtual Status decode(LatticeLevel& level,
                                         std::span<const std::uint8_t> bytes) = 0;
 

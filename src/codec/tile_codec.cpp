@@ -427,26 +427,18 @@ class TileEncoder {
             if (known.level == finest_) continue;
             LatticeLevel filled;
             LatticeLevel* from = &known;
-            for (int level = known.level - 1; level >= finest_; --level) {
+            for (int level = known.level - 1; level > finest_; --level) {
                 filled = codec_.interpolate(level, c, *from);
                 from = &filled;
             }
-            largest = std::max(largest, largest_error(filled, c));
+            const std::int32_t off =
+                largest_filling_error(*from, samples_.values[c].view(), samples_.valid);
+            // Conversion of samples to integers is half a unit off at most, but for outliers.
+            const IntegerDomain& domain = coding_.domains[c];
+            largest = std::max(largest, domain.unit * (static_cast<double>(off) + 0.5) +
+                                            domain.rounding + beyond_[c]);
         }
         tile.coarse_errors.push_back(largest);
-    }
-
-    /// Of a level as filled in from the samples.
-    double largest_error(const LatticeLevel& level, std::size_t component) const {
-        std::int32_t largest = 0;
-        for (std::int64_t r = 0; r < level.rows(); ++r)
-            largest = std::max(
-                largest, largest_difference(level.values.row(r), samples_.values[component].row(r),
-                                            valid_row(r), level.cols()));
-        // Conversion of samples to integers is half a unit off at most, but for outliers.
-        const IntegerDomain& domain = coding_.domains[component];
-        return domain.unit * (static_cast<double>(largest) + 0.5) + domain.rounding +
-               beyond_[component];
     }
 
     /// Null: all samples of the row are valid.

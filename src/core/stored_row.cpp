@@ -66,12 +66,15 @@ void stored_vectors(const double* values, std::int64_t n, SampleType type,
                                HWY_ATTR { return !hn::AllFalse(d, hn::Eq(v, hole)); };
         return store_vectors(values, n, type, nodata, round, meets, out);
     }
-    // Twice the tolerance of readers, so that rounding in float does not matter.
+    // Twice the tolerance of readers, so that rounding in float does not matter; where their sum
+    // overflows, their tolerance is infinite.
     const auto tolerance =
         hn::Set(d, 4.0 * static_cast<double>(std::numeric_limits<float>::epsilon()));
+    const auto overflow = hn::Set(d, high * (1 + 0x1p-26));
     const auto meets = [&](hn::Vec<Doubles> v) HWY_ATTR {
-        const auto least = hn::Mul(tolerance, hn::Add(hn::Abs(v), hn::Abs(hole)));
-        return !hn::AllTrue(d, hn::Gt(hn::Abs(hn::Sub(v, hole)), least));
+        const auto sum = hn::Add(hn::Abs(v), hn::Abs(hole));
+        const auto far = hn::Gt(hn::Abs(hn::Sub(v, hole)), hn::Mul(tolerance, sum));
+        return !hn::AllTrue(d, hn::And(far, hn::Le(sum, overflow)));
     };
     if (!narrow) return store_vectors(values, n, type, nodata, clamped, meets, out);
     const hn::Rebind<float, Doubles> df;

@@ -422,7 +422,7 @@ TEST(InterpolationRules, TellsWhichRuleHolds) {
         rules.begin_row();
         for (std::int64_t k = 0; k < 5; ++k) {
             found.push_back(rules.find(k));
-            rules.learn(k, 100, {70, 100.5, 150}, 104);
+            rules.learn(k, 100, {140, 201, 300}, 104);  // twice 70, 100.5 and 150
         }
         return found;
     };

@@ -62,7 +62,9 @@ void expect_truth(const Raster& raster, const EncodedRaster& encoded) {
     // Summed in another order.
     EXPECT_NEAR(found.rms_error, encoded.report.rms_error, 1e-9 * found.rms_error);
     EXPECT_EQ(encoded.report.bytes, encoded.bytes.size());
-    EXPECT_EQ(file->max_error(), found.max_error);
+    // The header states four digits, rounded up.
+    EXPECT_GE(file->max_error(), found.max_error);
+    EXPECT_LE(file->max_error(), 1.001 * found.max_error);
     for (std::int64_t r = 0; r < raster.rows; ++r)
         for (std::int64_t c = 0; c < raster.cols; ++c)
             ASSERT_EQ(decoded.valid(r, c), raster.valid(r, c)) << r << " " << c;
@@ -163,7 +165,7 @@ TEST(PyramidTiles, Refusals) {
         return encoded.ok() ? std::string() : encoded.error().text();
     };
     Raster raster = landscape(800, 800);
-    EXPECT_NE(error_of(raster, {Kind::Bytes, 100}).find("no file is that small"),
+    EXPECT_NE(error_of(raster, {Kind::Bytes, 40}).find("no file is that small"),
               std::string::npos);
     raster.planes[0](790, 3) = HUGE_VAL;
     EXPECT_NE(error_of(raster, {Kind::RmsError, 1}).find("row 790, column 3"), std::string::npos);
