@@ -47,6 +47,17 @@ void add(LevelCoefficients<double>& to, const LevelCoefficients<double>& from) {
                 to.planes[p](r, c) += from.planes[p](row + r, col + c);
 }
 
+Planes<double> without(LatticeMargin margin, Planes<double> planes) {
+    if (margin == LatticeMargin()) return planes;
+    for (Grid<double>& plane : planes) {
+        Grid<double> rest(plane.rows() - margin.rows, plane.cols() - margin.cols);
+        for (std::int64_t r = 0; r < rest.rows(); ++r)
+            std::copy_n(plane.row(r + margin.rows) + margin.cols, rest.cols(), rest.row(r));
+        plane = std::move(rest);
+    }
+    return planes;
+}
+
 /// The georeference of a window of every 2^level-th sample of the lattice: centres stay where they
 /// are.
 GeoReference georeference_of(GeoReference geo, int level, LatticeMargin margin,
@@ -281,10 +292,9 @@ Result<LevelCoefficients<double>> RasterFile::coefficients(int level,
 
 Result<Planes<double>> RasterFile::control_net() const {
     RELIEF_TRY(Planes<double> net, state_->body->control_net());
-    if (!edited()) return net;
-    LevelCoefficients<double> moved{multires::scaling_box(layout(), 0), std::move(net)};
-    add(moved, multires::displacement<double>(layout(), moves(), 0));
-    return std::move(moved.planes);
+    LevelCoefficients<double> whole{multires::scaling_box(layout(), 0), std::move(net)};
+    if (edited()) add(whole, multires::displacement<double>(layout(), moves(), 0));
+    return without(margin(), std::move(whole.planes));
 }
 
 Result<DecodedRaster> RasterFile::decode_window(int level, const LatticeBox& window) const {

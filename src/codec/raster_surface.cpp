@@ -29,7 +29,7 @@ Result<RasterSurface> RasterSurface::create(const RasterFile& file, int level,
                                                      part, all.rows, all.cols)));
     } else if (level == 0) {
         RELIEF_TRY(net.planes, file.control_net());
-        net.box = multires::scaling_box(file.layout(), 0);
+        net.box = {all.row0 + margin.rows, all.col0 + margin.cols, 0, 0};
     } else {
         RELIEF_TRY(net, file.coefficients(level));
     }

@@ -184,7 +184,7 @@ class RasterFile {
 
     /// Control coefficients (relief/multires/surface.h) of a surface that passes through decode(0)
     /// before its rounding to the sample type (for the quasi-interpolating and coefficient data
-    /// maps: the surface that the file describes). They begin with the margin.
+    /// maps: the surface that the file describes).
     [[nodiscard]] Result<multires::Planes<double>> control_net() const;
 
     /// A window of the raster of `level`: size, transform, mask, and values in the sample type.
