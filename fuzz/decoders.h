@@ -149,7 +149,7 @@ inline void explore(const RasterFile& file) {
         // A window of an open-loop file is cut from its whole raster.
         if (file.closed_loop() || level == 0) explore_window(file, level, raster);
         if (!raster.ok()) continue;
-        require(raster->rows == (file.layout().rows + (std::int64_t{1} << level) - 1) >> level);
+        require(raster->rows == file.box(level).rows && raster->cols == file.box(level).cols);
         for (const Grid<double>& plane : raster->planes)
             for (std::int64_t r = 0; r < plane.rows(); ++r)
                 for (std::int64_t c = 0; c < plane.cols(); ++c)

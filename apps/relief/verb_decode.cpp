@@ -44,11 +44,12 @@ class Rescaled {
   public:
     static Result<Rescaled> create(const codec::RasterFile& file, double scale) {
         Rescaled scaled(file, scale);
-        const auto& layout = file.layout();
-        while (scaled.level_ < layout.levels() && std::ldexp(1.0, scaled.level_ + 1) <= 1 / scale)
+        const Raster& about = file.description();
+        while (scaled.level_ < file.layout().levels() &&
+               std::ldexp(1.0, scaled.level_ + 1) <= 1 / scale)
             ++scaled.level_;
-        const double rows = std::ceil(static_cast<double>(layout.rows) * scale - 1e-9);
-        const double cols = std::ceil(static_cast<double>(layout.cols) * scale - 1e-9);
+        const double rows = std::ceil(static_cast<double>(about.rows) * scale - 1e-9);
+        const double cols = std::ceil(static_cast<double>(about.cols) * scale - 1e-9);
         if (rows > INT32_MAX || cols > INT32_MAX)
             return Error{ErrorCode::InvalidArgument, "--scale makes the raster too large", ""};
         scaled.box_ = {0, 0, std::max<std::int64_t>(1, static_cast<std::int64_t>(rows)),
@@ -65,14 +66,13 @@ class Rescaled {
         const double step = std::ldexp(1 / scale_, -level_);
         for (int c = 0; c < surface.components(); ++c) {
             Grid<double> samples(part.rows, part.cols);
-            surface.evaluate_grid(c, place(part.row0), step, place(part.col0), step,
-                                  samples.view());
+            surface.evaluate_grid(c, row(part.row0), step, col(part.col0), step, samples.view());
             result.planes.push_back(std::move(samples));
         }
         result.mask = Grid<std::uint8_t>(part.rows, part.cols);
         for (std::int64_t r = 0; r < part.rows; ++r)
             for (std::int64_t c = 0; c < part.cols; ++c)
-                result.mask(r, c) = surface.valid(place(part.row0 + r), place(part.col0 + c));
+                result.mask(r, c) = surface.valid(row(part.row0 + r), col(part.col0 + c));
         store(result);
         return result;
     }
@@ -81,22 +81,28 @@ class Rescaled {
     Rescaled(const codec::RasterFile& file, double scale) : file_(file), scale_(scale) {}
 
     /// Sample r lies at (r + 1/2) / scale - 1/2 of the finest raster, so that cells cover the same
-    /// ground; here in samples of the level.
-    [[nodiscard]] double place(std::int64_t r) const {
-        return std::ldexp((static_cast<double>(r) + 0.5) / scale_ - 0.5, -level_);
+    /// ground; here in samples of the level, `margin` in front of them.
+    [[nodiscard]] double place(std::int64_t r, std::int64_t margin) const {
+        const double finest = (static_cast<double>(r) + 0.5) / scale_ - 0.5;
+        if (level_ == 0) return finest;
+        return std::ldexp(finest + static_cast<double>(margin), -level_);
     }
+    [[nodiscard]] double row(std::int64_t r) const { return place(r, file_.margin().rows); }
+    [[nodiscard]] double col(std::int64_t c) const { return place(c, file_.margin().cols); }
 
     /// Samples of the level around a window.
     [[nodiscard]] LatticeBox level_box(const LatticeBox& part) const {
         const LatticeBox all = file_.box(level_);
-        const auto between = [&](std::int64_t first, std::int64_t count, std::int64_t n) {
-            const auto low = static_cast<std::int64_t>(std::floor(place(first)));
-            const auto high = static_cast<std::int64_t>(std::ceil(place(first + count - 1)));
+        const auto between = [&](std::int64_t first, std::int64_t count, std::int64_t n,
+                                 std::int64_t margin) {
+            const auto low = static_cast<std::int64_t>(std::floor(place(first, margin)));
+            const auto high =
+                static_cast<std::int64_t>(std::ceil(place(first + count - 1, margin)));
             const std::int64_t begin = std::clamp<std::int64_t>(low, 0, n - 1);
             return std::pair{begin, std::clamp<std::int64_t>(high, begin, n - 1) - begin + 1};
         };
-        const auto [row0, rows] = between(part.row0, part.rows, all.rows);
-        const auto [col0, cols] = between(part.col0, part.cols, all.cols);
+        const auto [row0, rows] = between(part.row0, part.rows, all.rows, file_.margin().rows);
+        const auto [col0, cols] = between(part.col0, part.cols, all.cols, file_.margin().cols);
         return {row0, col0, rows, cols};
     }
 

@@ -137,6 +137,14 @@ Result<std::vector<multires::Move>> moves_of(const Edit& options,
     return moves;
 }
 
+/// A box of the finest lattice in rows and columns of the raster.
+LatticeBox without_margin(const LatticeBox& box, codec::LatticeMargin margin) {
+    const std::int64_t row0 = std::max(box.row0, margin.rows);
+    const std::int64_t col0 = std::max(box.col0, margin.cols);
+    return {row0 - margin.rows, col0 - margin.cols, box.row0 + box.rows - row0,
+            box.col0 + box.cols - col0};
+}
+
 /// Counts what passes.
 class CountingSink final : public ByteSink {
   public:
@@ -178,11 +186,12 @@ Result<Outcome> run(const Edit& options) {
     const auto field =
         multires::samples_of(layout, multires::displacement<double>(layout, moves, 0), 0);
     std::int64_t touched = 0;
-    for (std::int64_t r = 0; r < layout.rows; ++r)
-        for (std::int64_t c = 0; c < layout.cols; ++c)
+    const codec::LatticeMargin margin = file.margin();
+    for (std::int64_t r = margin.rows; r < layout.rows; ++r)
+        for (std::int64_t c = margin.cols; c < layout.cols; ++c)
             touched += std::any_of(field.begin(), field.end(),
                                    [&](const auto& plane) { return plane(r, c) != 0; });
-    const LatticeBox box = multires::touched_box(layout, moves);
+    const LatticeBox box = without_margin(multires::touched_box(layout, moves), margin);
     Outcome outcome;
     outcome.json = Json{
         {"moved", moves.size()},

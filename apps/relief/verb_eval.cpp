@@ -167,8 +167,8 @@ LatticePoints locate(const std::vector<Point>& points, const PlaceMap& map,
     };
     LatticePoints found;
     for (const Point& point : points) {
-        const double i = settled(map.row(point), file.layout().rows);
-        const double j = settled(map.col(point), file.layout().cols);
+        const double i = settled(map.row(point), file.description().rows);
+        const double j = settled(map.col(point), file.description().cols);
         const bool inside = !std::isnan(i) && !std::isnan(j);
         found.i.push_back(inside ? i : 0);
         found.j.push_back(inside ? j : 0);
@@ -186,8 +186,8 @@ struct Group {
 /// Files in tiles are read where points are; others as a whole.
 std::vector<Group> groups_of(const codec::RasterFile& file, const LatticePoints& at) {
     constexpr std::int64_t side = 512;
-    const std::int64_t rows = file.layout().rows;
-    const std::int64_t cols = file.layout().cols;
+    const std::int64_t rows = file.description().rows;
+    const std::int64_t cols = file.description().cols;
     const bool together = !file.closed_loop() || rows * cols <= (std::int64_t{1} << 22);
     std::map<std::pair<std::int64_t, std::int64_t>, Group> groups;
     for (std::size_t n = 0; n < at.i.size(); ++n) {

@@ -80,14 +80,17 @@ Result<Raster> level_surface(const codec::RasterFile& file, int level) {
     for (std::size_t p = 0; p < raster.planes.size(); ++p) {
         RELIEF_TRY(const auto surface,
                    multires::Surface<double>::create(file.spec(), net.planes[p].view()));
-        surface.evaluate_grid(0, step, 0, step, raster.planes[p].view());
+        surface.evaluate_grid(static_cast<double>(file.margin().rows) * step, step,
+                              static_cast<double>(file.margin().cols) * step, step,
+                              raster.planes[p].view());
     }
     return raster;
 }
 
 /// The surface of a level with its control net over it.
 io::Image draw_net(const Render& options, const Raster& surface,
-                   const multires::LevelCoefficients<double>& net, int level) {
+                   const multires::LevelCoefficients<double>& net, int level,
+                   codec::LatticeMargin margin) {
     const int width = options.width > 0 ? options.width : 1200;
     const io::CellSize cell = io::cell_size_metres(surface.geo, surface.rows);
     const io::Heights z = surface.planes[0].view();
@@ -99,10 +102,12 @@ io::Image draw_net(const Render& options, const Raster& surface,
     const io::Sheet ground =
         io::height_sheet(z, mask_of(surface), cell, exaggeration, {0, 0}, every);
     const double step = std::ldexp(1.0, level);
-    const io::Sheet lines =
-        io::height_sheet(net.planes[0].view(), {}, {cell.x * step, cell.y * step}, exaggeration,
-                         {static_cast<double>(net.box.col0) * step * cell.x,
-                          static_cast<double>(net.box.row0) * step * cell.y});
+    const auto place = [step](std::int64_t first, std::int64_t before) {
+        return static_cast<double>(first) * step - static_cast<double>(before);
+    };
+    const io::Sheet lines = io::height_sheet(
+        net.planes[0].view(), {}, {cell.x * step, cell.y * step}, exaggeration,
+        {place(net.box.col0, margin.cols) * cell.x, place(net.box.row0, margin.rows) * cell.y});
     io::SheetStyle line_style;
     line_style.fill = io::SheetFill::None;
     line_style.line_every = 1;
@@ -165,7 +170,7 @@ Result<Outcome> run(const Render& options, const Globals& globals) {
         RELIEF_TRY(const Raster raster, level_surface(file, *options.level));
         if (options.style == "wire" && !is_parametric(raster)) {
             RELIEF_TRY(const auto net, file.coefficients(*options.level));
-            image = draw_net(options, raster, net, *options.level);
+            image = draw_net(options, raster, net, *options.level, file.margin());
         } else {
             RELIEF_TRY(image, draw(options, raster, globals));
         }

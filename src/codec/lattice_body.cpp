@@ -126,7 +126,7 @@ Result<std::unique_ptr<RasterBody>> open_lattice_body(const ContainerReader& con
                                                       const multires::PyramidLayout& layout) {
     LatticeCoding coding = *header.lattice;
     RELIEF_TRY(auto file, LatticeFile::open(container, kEditsChunk + 1, std::move(coding),
-                                            header.description.rows, header.description.cols));
+                                            header.lattice_rows(), header.lattice_cols()));
     if (!container.complete(kEditsChunk + 1))
         return Error{ErrorCode::BadFile,
                      "not even the coarsest level is inside the bytes given; give more of the file",

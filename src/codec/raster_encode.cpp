@@ -5,6 +5,7 @@
 #include <string>
 
 #include "codec/lattice_encode.h"
+#include "codec/lattice_margin.h"
 #include "codec/pyramid_encode.h"
 #include "codec/pyramid_tiles.h"
 #include "codec/raster_header.h"
@@ -59,9 +60,14 @@ SchemeSpec best_scheme(const Goal& goal) {
 /// The closed loop to a sink.
 class LatticeWriter {
   public:
-    LatticeWriter(const RasterSource& source, const EncodeOptions& options, ByteSink& sink,
-                  Spool& spool)
-        : source_(source), options_(options), sink_(sink), spool_(spool) {}
+    LatticeWriter(const RasterSource& raster, LatticeMargin margin, const EncodeOptions& options,
+                  ByteSink& sink, Spool& spool)
+        : raster_(raster),
+          margin_(margin),
+          source_(raster, margin),
+          options_(options),
+          sink_(sink),
+          spool_(spool) {}
 
     /// False: the samples do not fit its integers.
     Result<bool> encode() {
@@ -69,6 +75,7 @@ class LatticeWriter {
         RELIEF_TRY(const Survey seen, survey(source_, options_.progress));
         LatticeCoding coding;
         coding.profile = options_.profile;
+        coding.margin = margin_;
         RELIEF_TRY(const bool fits, choose_domains(source_, seen, bound, coding));
         if (!fits) return false;
         RELIEF_TRY(encoding_,
@@ -87,18 +94,18 @@ class LatticeWriter {
   private:
     Status make_head() {
         const LatticeEncoding& encoding = encoding_;
-        const Raster& about = source_.description();
-        const TileTree tree(about.rows, about.cols);
+        const Raster& about = raster_.description();
         RasterHeader header;
         header.description = description_of(about);
         header.components = source_.components();
         header.has_mask = encoding.has_holes;
-        header.spec = {.id = SchemeId::Fvs, .levels = tree.levels()};
         header.goal = options_.goal;
         header.max_error = encoding.max_error;
         const auto values = static_cast<double>(encoding.samples) * header.components;
         header.rms_error = std::sqrt(encoding.square_error / values);
         header.lattice = encoding.coding;
+        header.spec = {.id = SchemeId::Fvs,
+                       .levels = TileTree(header.lattice_rows(), header.lattice_cols()).levels()};
 
         std::vector<SpooledChunk> chunks(1);  // no edits
         chunks.insert(chunks.end(), encoding.chunks.begin(), encoding.chunks.end());
@@ -122,7 +129,9 @@ class LatticeWriter {
         return {};
     }
 
-    const RasterSource& source_;
+    const RasterSource& raster_;
+    LatticeMargin margin_;
+    RasterWithMargin source_;
     const EncodeOptions& options_;
     ByteSink& sink_;
     Spool& spool_;
@@ -164,7 +173,8 @@ Result<EncodeReport> encode_raster(const RasterSource& source, const EncodeOptio
     RELIEF_CHECK(check(source, options.goal));
     SchemeSpec spec = options.spec.value_or(best_scheme(options.goal));
     if (spec.id == SchemeId::Fvs && is_bound(options.goal)) {
-        LatticeWriter writer(source, options, sink, spool);
+        RELIEF_TRY(const LatticeMargin margin, choose_margin(source));
+        LatticeWriter writer(source, margin, options, sink, spool);
         RELIEF_TRY(const bool fits, writer.encode());
         if (fits) {
             std::optional<EncodedRaster> open;

@@ -47,14 +47,30 @@ void add(LevelCoefficients<double>& to, const LevelCoefficients<double>& from) {
                 to.planes[p](r, c) += from.planes[p](row + r, col + c);
 }
 
-/// The georeference of a window of every 2^level-th sample: centres stay where they are.
-GeoReference georeference_of(GeoReference geo, int level, const LatticeBox& window) {
+Planes<double> without(LatticeMargin margin, Planes<double> planes) {
+    if (margin == LatticeMargin()) return planes;
+    for (Grid<double>& plane : planes) {
+        Grid<double> rest(plane.rows() - margin.rows, plane.cols() - margin.cols);
+        for (std::int64_t r = 0; r < rest.rows(); ++r)
+            std::copy_n(plane.row(r + margin.rows) + margin.cols, rest.cols(), rest.row(r));
+        plane = std::move(rest);
+    }
+    return planes;
+}
+
+/// The georeference of a window of every 2^level-th sample of the lattice: centres stay where they
+/// are.
+GeoReference georeference_of(GeoReference geo, int level, LatticeMargin margin,
+                             const LatticeBox& window) {
     if (!geo.transform) return geo;
     auto& t = *geo.transform;
     const double step = std::ldexp(1.0, level);
     // Centre of the first sample, then half a new cell back.
-    const double col = static_cast<double>(window.col0) * step + 0.5 * (1 - step);
-    const double row = static_cast<double>(window.row0) * step + 0.5 * (1 - step);
+    const auto place = [step](std::int64_t first, std::int64_t before) {
+        return static_cast<double>(first) * step - static_cast<double>(before) + 0.5 * (1 - step);
+    };
+    const double col = place(window.col0, margin.cols);
+    const double row = place(window.row0, margin.rows);
     t[0] += col * t[1] + row * t[2];
     t[3] += col * t[4] + row * t[5];
     for (const std::size_t k : {1U, 2U, 4U, 5U}) t[k] *= step;
@@ -86,8 +102,8 @@ Status RasterFile::State::open(std::shared_ptr<const ByteSource> source, std::ui
     RELIEF_TRY(container, ContainerReader::open(std::move(source), visible));
     RELIEF_TRY(header, read_header(container->header()));
     if (!header.lattice) RELIEF_CHECK(check_size(header.description, header.components, file_size));
-    auto bands = multires::layout(editing_spec(header), header.description.rows,
-                                  header.description.cols, header.components);
+    auto bands = multires::layout(editing_spec(header), header.lattice_rows(),
+                                  header.lattice_cols(), header.components);
     if (!bands.ok())
         return Error{ErrorCode::BadFile,
                      "describes an impossible pyramid: " + bands.error().message, "header"};
@@ -146,6 +162,9 @@ const multires::SchemeSpec& RasterFile::spec() const {
 }
 const PyramidLayout& RasterFile::layout() const {
     return state_->layout;
+}
+LatticeMargin RasterFile::margin() const {
+    return state_->header.margin();
 }
 bool RasterFile::has_holes() const {
     return state_->header.has_mask;
@@ -232,6 +251,7 @@ std::uint64_t RasterFile::bytes_read() const {
 }
 
 LatticeBox RasterFile::box(int level) const {
+    if (level == 0) return {0, 0, description().rows, description().cols};
     const std::int64_t step = std::int64_t{1} << level;
     return {0, 0, (layout().rows + step - 1) / step, (layout().cols + step - 1) / step};
 }
@@ -272,10 +292,9 @@ Result<LevelCoefficients<double>> RasterFile::coefficients(int level,
 
 Result<Planes<double>> RasterFile::control_net() const {
     RELIEF_TRY(Planes<double> net, state_->body->control_net());
-    if (!edited()) return net;
-    LevelCoefficients<double> moved{multires::scaling_box(layout(), 0), std::move(net)};
-    add(moved, multires::displacement<double>(layout(), moves(), 0));
-    return std::move(moved.planes);
+    LevelCoefficients<double> whole{multires::scaling_box(layout(), 0), std::move(net)};
+    if (edited()) add(whole, multires::displacement<double>(layout(), moves(), 0));
+    return without(margin(), std::move(whole.planes));
 }
 
 Result<DecodedRaster> RasterFile::decode_window(int level, const LatticeBox& window) const {
@@ -289,9 +308,14 @@ Result<DecodedRaster> RasterFile::decode_window(int level, const LatticeBox& win
                          std::to_string(window.rows) + " is not inside the " +
                          std::to_string(all.cols) + " x " + std::to_string(all.rows) + " raster",
                      ""};
-    RELIEF_TRY(BodySamples samples, state_->body->samples(level, window));
+    LatticeBox part = window;
+    if (level == 0) {
+        part.row0 += margin().rows;
+        part.col0 += margin().cols;
+    }
+    RELIEF_TRY(BodySamples samples, state_->body->samples(level, part));
     if (edited()) {
-        state_->displace(level, window, samples.planes);
+        state_->displace(level, part, samples.planes);
         samples.stored = false;
     }
     DecodedRaster decoded;
@@ -299,7 +323,7 @@ Result<DecodedRaster> RasterFile::decode_window(int level, const LatticeBox& win
     raster = description_of(description());
     raster.rows = window.rows;
     raster.cols = window.cols;
-    raster.geo = georeference_of(raster.geo, level, window);
+    raster.geo = georeference_of(raster.geo, level, margin(), part);
     raster.mask = std::move(samples.mask);
     for (Grid<double>& plane : samples.planes) {
         if (samples.stored) continue;

@@ -91,6 +91,8 @@ Status read_scheme(const Json& json, multires::SchemeSpec& spec) {
 Json lattice_json(const LatticeCoding& coding) {
     Json json{{"profile", profile_name(coding.profile)}};
     if (coding.tightening != 1) json["tightening"] = json_number(coding.tightening);
+    const LatticeMargin& margin = coding.margin;
+    if (margin != LatticeMargin()) json["margin"] = Json::array({margin.rows, margin.cols});
     for (const IntegerDomain& domain : coding.domains) {
         Json item{{"unit", json_number(domain.unit)}, {"highest", domain.highest}};
         if (domain.origin != 0) item["origin"] = json_number(domain.origin);
@@ -119,13 +121,26 @@ Status read_domain(const Json& json, IntegerDomain& domain) {
     return {};
 }
 
+Status read_margin(const Json& json, const Raster& raster, LatticeMargin& margin) {
+    if (json.empty()) return {};
+    const auto is_bit = [](const Json& item) { return item == 0 || item == 1; };
+    if (json.size() != 2 || !is_bit(json[0]) || !is_bit(json[1]))
+        return bad("the margin of its lattice is not two times 0 or 1");
+    margin = {json[0].get<std::int64_t>(), json[1].get<std::int64_t>()};
+    if (raster.rows + margin.rows > INT32_MAX || raster.cols + margin.cols > INT32_MAX)
+        return bad("the size of its lattice is out of range");
+    return {};
+}
+
 Status read_lattice(const Json& json, RasterHeader& header) {
     Reader reader(json);
     LatticeCoding coding;
     const auto profile = reader.get<std::string>("profile", "", true);
     coding.tightening = reader.get("tightening", 1.0);
     const Json& domains = reader.array("domains");
+    const Json& margin = reader.array("margin");
     RELIEF_CHECK(reader.status());
+    RELIEF_CHECK(read_margin(margin, header.description, coding.margin));
     coding.profile = profile == profile_name(Profile::Fast) ? Profile::Fast : Profile::Dense;
     if (profile != profile_name(coding.profile))
         return Error{ErrorCode::Unsupported,
@@ -304,9 +319,8 @@ Result<RasterHeader> read_header(const std::string& text) {
     RELIEF_CHECK(read_description(json, header));
     if (json.contains("lattice")) {
         RELIEF_CHECK(read_lattice(reader.object("lattice"), header));
-        const Raster& raster = header.description;
         header.spec = {.id = multires::SchemeId::Fvs,
-                       .levels = TileTree(raster.rows, raster.cols).levels()};
+                       .levels = TileTree(header.lattice_rows(), header.lattice_cols()).levels()};
     } else {
         RELIEF_CHECK(read_scheme(scheme, header.spec));
         RELIEF_CHECK(read_pyramid(reader.object("pyramid"), header));

@@ -39,6 +39,13 @@ struct RasterHeader {
     double rms_error = 0;
     std::optional<LatticeCoding> lattice = {};  ///< of files of the closed loop
     PyramidCoding pyramid = {};                 ///< of other files
+
+    /// Of the finest lattice.
+    [[nodiscard]] std::int64_t lattice_rows() const { return description.rows + margin().rows; }
+    [[nodiscard]] std::int64_t lattice_cols() const { return description.cols + margin().cols; }
+    [[nodiscard]] LatticeMargin margin() const {
+        return lattice ? lattice->margin : LatticeMargin();
+    }
 };
 
 [[nodiscard]] std::string_view profile_name(Profile profile);

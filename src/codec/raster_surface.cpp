@@ -18,27 +18,28 @@ Result<RasterSurface> RasterSurface::create(const RasterFile& file, int level,
                      "row " + std::to_string(decoded.damaged[0].row0) + ", column " +
                          std::to_string(decoded.damaged[0].col0)};
     surface.mask_ = std::move(decoded.raster.mask);
-    const LatticeBox all = file.box(level);
+    const LatticeBox all = multires::scaling_box(file.layout(), level);
+    const LatticeMargin margin = level == 0 ? file.margin() : LatticeMargin();
+    const LatticeBox part{window.row0 + margin.rows, window.col0 + margin.cols, window.rows,
+                          window.cols};
     const bool windowed = file.closed_loop() && all.rows > 1 && all.cols > 1;
     multires::LevelCoefficients<double> net;
     if (windowed) {
         RELIEF_TRY(net, file.coefficients(level, spline::FvsSurface<double>::samples_for(
-                                                     window, all.rows, all.cols)));
+                                                     part, all.rows, all.cols)));
     } else if (level == 0) {
         RELIEF_TRY(net.planes, file.control_net());
-        net.box = multires::scaling_box(file.layout(), 0);
+        net.box = {all.row0 + margin.rows, all.col0 + margin.cols, 0, 0};
     } else {
         RELIEF_TRY(net, file.coefficients(level));
     }
-    if (!windowed) {
-        surface.row0_ = static_cast<double>(net.box.row0);
-        surface.col0_ = static_cast<double>(net.box.col0);
-    }
+    surface.row0_ = static_cast<double>((windowed ? 0 : net.box.row0) - margin.rows);
+    surface.col0_ = static_cast<double>((windowed ? 0 : net.box.col0) - margin.cols);
     for (const Grid<double>& plane : net.planes) {
-        auto made =
-            windowed ? multires::Surface<double>::create_fvs(
-                           {plane.view(), net.box.row0, net.box.col0, all.rows, all.cols}, window)
-                     : multires::Surface<double>::create(file.spec(), plane.view());
+        auto made = windowed
+                        ? multires::Surface<double>::create_fvs(
+                              {plane.view(), net.box.row0, net.box.col0, all.rows, all.cols}, part)
+                        : multires::Surface<double>::create(file.spec(), plane.view());
         if (!made.ok()) return made.error();
         surface.surfaces_.push_back(*std::move(made));
     }

@@ -26,6 +26,7 @@ struct LatticeCoding {
     SampleType type = SampleType::Float32;
     std::optional<double> nodata = {};
     std::vector<IntegerDomain> domains = {};  ///< one a component
+    LatticeMargin margin = {};
 
     [[nodiscard]] std::int32_t step(std::size_t component, int level) const;
     /// out[k] = the sample that v[k] stands for, k < n.

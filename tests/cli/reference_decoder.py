@@ -136,7 +136,9 @@ class Decoder:
         assert self.header["content"] == "raster" and chunks[0] == b"", "edits are not read"
         self.chunks = chunks[1:]
         self.form = self.FORMS[self.header["type"]]
-        self.tiers = [Tier(0, self.header["rows"], self.header["cols"])]
+        self.margin = self.lattice.get("margin", [0, 0])
+        self.tiers = [Tier(0, self.header["rows"] + self.margin[0],
+                           self.header["cols"] + self.margin[1])]
         while self.tiers[-1].down * self.tiers[-1].across > 1:
             last = self.tiers[-1]
             self.tiers.append(Tier(last.k + 1, up(last.rows, 3), up(last.cols, 3)))
@@ -251,7 +253,7 @@ class Decoder:
             index += 1
 
     def planes(self, tiles):
-        rows, cols = self.header["rows"], self.header["cols"]
+        rows, cols = self.tiers[0].rows, self.tiers[0].cols
         planes = []
         for c, domain in enumerate(self.lattice["domains"]):
             plane = [[None] * cols for _ in range(rows)]
@@ -262,7 +264,7 @@ class Decoder:
                     value = self.stored(domain["unit"] *
                                         (domain.get("origin", 0) + tile.levels[c].values[r, k]))
                     plane[tile.box[0] + r][tile.box[1] + k] = tile.repairs.get((c, r, k), value)
-            planes.append(plane)
+            planes.append([row[self.margin[1]:] for row in plane[self.margin[0]:]])
         return planes
 
     def stored(self, value):

@@ -66,6 +66,18 @@ class ReferenceDecoder(Case):
         fine[:, 1::2] = (fine[:, :-2:2] + fine[:, 2::2]) // 2
         self.compare(fine.astype("int16"), "--lossless")
 
+    def test_interpolated_grids_that_begin_between_coarser_samples(self):
+        coarse = np.rint(hills(31, 101, rough=30)).astype("int64")
+        fine = np.zeros((60, 199), "int64")
+        fine[::2, 1::2] = coarse[:30, :99]
+        fine[:, 2:-1:2] = (fine[:, 1:-2:2] + fine[:, 3::2]) // 2
+        fine[:, 0] = fine[:, 1]
+        fine[:, -1] = fine[:, -2]
+        fine[1:-1:2] = (fine[:-2:2] + fine[2::2]) // 2
+        fine[-1] = fine[-2]
+        header = self.compare(fine.astype("int16"), "--lossless")
+        self.assertEqual(header["lattice"]["margin"], [0, 1])
+
     def test_components_and_small_rasters(self):
         self.compare([hills(30, 20).astype("uint8"), hills(30, 20, seed=2).astype("uint8")],
                      "--max-error", 3)

@@ -81,6 +81,16 @@ struct EncodedRaster {
                                                  const EncodeOptions& options, ByteSink& sink,
                                                  Spool& spool);
 
+/// Rows and columns, 0 or 1 each, of a file's finest lattice in front of the raster's first sample.
+/// They are there in closed-loop files of rasters that were interpolated from coarser grids, if
+/// that makes the coarser grid the samples of level 1.
+struct LatticeMargin {
+    std::int64_t rows = 0;
+    std::int64_t cols = 0;
+
+    friend bool operator==(const LatticeMargin&, const LatticeMargin&) = default;
+};
+
 /// A band as `info` shows it.
 struct BandInfo {
     multires::BandLayout layout;
@@ -129,8 +139,10 @@ class RasterFile {
     /// The scheme that the file was made with.
     [[nodiscard]] const multires::SchemeSpec& spec() const;
     /// The bands of the control coefficients of all levels. Files of the closed loop have those of
-    /// scheme `cubic`: their control coefficients are samples.
+    /// scheme `cubic`: their control coefficients are samples. Rows and columns are those of the
+    /// finest lattice, the raster's and the margin's.
     [[nodiscard]] const multires::PyramidLayout& layout() const;
+    [[nodiscard]] LatticeMargin margin() const;
     /// Some samples are not valid.
     [[nodiscard]] bool has_holes() const;
     /// Made by the closed loop, in tiles that are decoded on demand.
@@ -184,7 +196,8 @@ class RasterFile {
     /// The whole raster of `level`. Errors: as decode_window, and BadFile for any damage.
     [[nodiscard]] Result<Raster> decode(int level) const;
 
-    /// Rows and columns of the raster of `level`.
+    /// Rows and columns of the raster of `level`. Sample (r, c) of a level above 0 lies at
+    /// (r 2^level - margin().rows, c 2^level - margin().cols) of the raster.
     [[nodiscard]] LatticeBox box(int level) const;
 
   private:
