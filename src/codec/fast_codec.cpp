@@ -233,8 +233,10 @@ class TokenCollector {
 
     /// Four tables in turn: adding twice in a row to one count would wait for the first sum.
     [[nodiscard]] ClassCounts counts() const {
-        std::vector<std::array<TokenCounts, kClasses + 1>> parts(4);
-        for (std::size_t k = 0; k < size_; ++k) ++parts[k % 4][classes_[k]][tokens_[k]];
+        std::array<std::array<TokenCounts, kClasses + 1>, 4> parts{};
+        for (std::size_t k = 0; k < size_; k += parts.size())
+            for (std::size_t i = 0; i < parts.size(); ++i)
+                ++parts[i][classes_[k + i]][tokens_[k + i]];
         ClassCounts sums{};
         for (const auto& part : parts)
             for (std::size_t c = 0; c < kClasses; ++c)

@@ -305,17 +305,21 @@ Result<LatticeWindow> LatticeFile::read(int level, const LatticeBox& window,
         out.known_level = std::max(out.known_level, about.known_level);
         out.bound = std::max(out.bound, about.bound);
         const std::int64_t number = tile_number(static_cast<std::int64_t>(k));
-        if (!about.valid.empty()) {
-            if (out.mask.empty()) out.mask = Grid<std::uint8_t>(window.rows, window.cols, 1);
-            visit_holes(about.valid, tier, number, level, window,
-                        [&](std::int64_t r, std::int64_t c) { out.mask(r, c) = 0; });
-        }
         if (!about.damaged) continue;
         const LatticeBox box = tree_.box(tier, number);
         const int bits = TileTree::kTierLevels * tier;
         out.damaged.push_back(
             {box.row0 << bits, box.col0 << bits, box.rows << bits, box.cols << bits});
     }
+    const auto has_holes = [](const Tile& about) { return !about.valid.empty(); };
+    if (std::none_of(abouts.begin(), abouts.end(), has_holes)) return out;
+    out.mask = Grid<std::uint8_t>(window.rows, window.cols, 1);
+    parallel_for(0, met.count(), 1, [&](std::int64_t k, std::int64_t) {
+        const Tile& about = abouts[static_cast<std::size_t>(k)];
+        if (!has_holes(about)) return;
+        visit_holes(about.valid, tier, tile_number(k), level, window,
+                    [&](std::int64_t r, std::int64_t c) { out.mask(r, c) = 0; });
+    });
     return out;
 }
 

@@ -117,12 +117,13 @@ std::int64_t lanes_of(D d) {
 }
 
 /// Lanes that are no holes.
-HWY_INLINE hn::Mask<Doubles> valid_lanes(const std::uint8_t* valid) {
-    const Doubles d;
-    const hn::Rebind<std::int64_t, Doubles> d64;
-    const hn::Rebind<std::uint8_t, Doubles> d8;
+template <class D>
+HWY_INLINE hn::Mask<D> valid_lanes(D d, const std::uint8_t* valid) {
+    const hn::Rebind<std::int64_t, D> d64;
+    const hn::Rebind<std::int32_t, D> d32;
+    const hn::Rebind<std::uint8_t, D> d8;
     if (!valid) return hn::FirstN(d, hn::Lanes(d));
-    const auto wide = hn::PromoteTo(d64, hn::PromoteTo(Indices(), hn::LoadU(d8, valid)));
+    const auto wide = hn::PromoteTo(d64, hn::PromoteTo(d32, hn::LoadU(d8, valid)));
     return hn::RebindMask(d, hn::Ne(wide, hn::Zero(d64)));
 }
 
@@ -188,7 +189,7 @@ std::int64_t off(const double* stored, const double* samples, const std::uint8_t
         auto on = within(a, b, error, bound);
         if (bound > 0)
             on = hn::And(on, hn::Le(error, hn::Mul(hn::Set(d, kLatticeRounding), hn::Abs(b))));
-        const auto here = valid_lanes(valid ? valid + k : nullptr);
+        const auto here = valid_lanes(d, valid ? valid + k : nullptr);
         count += static_cast<std::int64_t>(hn::CountTrue(d, hn::AndNot(on, here)));
     }
     return count +
@@ -204,7 +205,7 @@ RowErrors errors(const double* decoded, const double* wanted, const std::uint8_t
     for (; k + lanes_of(d) <= n; k += lanes_of(d)) {
         const auto a = hn::LoadU(d, decoded + k);
         const auto b = hn::LoadU(d, wanted + k);
-        const auto here = valid_lanes(valid ? valid + k : nullptr);
+        const auto here = valid_lanes(d, valid ? valid + k : nullptr);
         const auto error = hn::IfThenElseZero(here, hn::Abs(hn::Sub(a, b)));
         over = hn::Or(over, hn::AndNot(within(a, b, error, bound), here));
         largest = hn::Max(largest, error);
@@ -221,13 +222,15 @@ void squares(const double* samples, const std::uint8_t* valid, std::int64_t n, d
     const hn::CappedTag<double, PartialSums().size()> d;
     const auto size = static_cast<std::int64_t>(sums.size());
     const auto slopes = hn::Set(d, slope);
-    const std::int64_t whole = valid ? 0 : n / size * size;
+    const std::int64_t whole = n / size * size;
     for (std::int64_t i = 0; i < size; i += lanes_of(d)) {
         auto sum = hn::LoadU(d, sums.data() + i);
         for (std::int64_t k = i; k < whole; k += size) {
             const auto line =
                 hn::Add(hn::Set(d, first), hn::Mul(hn::Iota(d, static_cast<double>(k)), slopes));
-            const auto difference = hn::Sub(hn::LoadU(d, samples + k), line);
+            const auto here = valid_lanes(d, valid ? valid + k : nullptr);
+            const auto difference =
+                hn::IfThenElseZero(here, hn::Sub(hn::LoadU(d, samples + k), line));
             sum = hn::Add(sum, hn::Mul(difference, difference));
         }
         hn::StoreU(sum, d, sums.data() + i);
@@ -262,7 +265,7 @@ RowRange range(const double* samples, const std::uint8_t* valid, std::int64_t n)
     std::int64_t k = 0;
     for (; k + lanes_of(d) <= n; k += lanes_of(d)) {
         const auto v = hn::LoadU(d, samples + k);
-        const auto here = valid_lanes(valid ? valid + k : nullptr);
+        const auto here = valid_lanes(d, valid ? valid + k : nullptr);
         lowest = hn::Min(lowest, hn::IfThenElse(here, v, lowest));
         highest = hn::Max(highest, hn::IfThenElse(here, v, highest));
         finite = hn::And(finite, hn::Or(hn::Not(here), hn::IsFinite(v)));
