@@ -84,8 +84,10 @@ class LevelPass {
           level_(level),
           source_(source),
           half_(level.step / 2),
-          per_step_(1.0 / level.step) {
-        if (level.step > 1) return;
+          step_(modelled_step(level)),
+          per_step_(1.0 / step_),
+          exact_(step_ == 1) {
+        if (!exact_) return;
         for (InterpolationRules::Scores& scores : state.rule_scores)
             rules_.emplace_back((level.cols() + 1) / 2, scores);
     }
@@ -187,12 +189,12 @@ class LevelPass {
             s.scale = *rule;  // a class below that of kScale.least
         } else {
             bias = &bias_of(row, c, learnt, s);
-            p += kBias.share * bias->mean() * level_.step;
+            p += kBias.share * bias->mean() * step_;
         }
         const std::int32_t q = code_quotient(row, k, p, s);
 
         // A sample that repeats its prediction says nothing new, unless it is exact.
-        const bool echo = q == 0 && !s.exact;
+        const bool echo = q == 0 && !s.exact && level_.raw_bits == 0;
         const auto error = static_cast<float>((row.values[c] - p) * per_step_);
         if (bias) bias->update(echo ? 0 : std::clamp(error, -kBias.error_limit, kBias.error_limit));
         if (row.rules) row.rules->learn(k, row.values[c], interpolated, learnt);
@@ -218,7 +220,7 @@ class LevelPass {
         s.texture = forecast_.texture[i];
         s.sums = sum_class(around >> 1) * kSums + forecast_.inherited[i];
         s.signs = sign_class(row.signs[0][c]) + 3 * sign_class(row.signs[1][c]);
-        s.exact = level_.step == 1;
+        s.exact = exact_;
         return scale;
     }
 
@@ -234,10 +236,14 @@ class LevelPass {
         const std::int32_t predicted = nearest_integer(bounded);
         s.lost = steps(bounded - predicted);
         s.dispute = steps(forecast_.second[static_cast<std::size_t>(k)] - p);
-        std::int32_t q = 0;
-        if constexpr (!Coder::kDecodes) q = quotient(source_(row.index, c) - predicted);
-        q = quotients_.code(q, s);
-        row.values[c] = value(predicted, q);
+        const int raw_bits = level_.raw_bits;
+        const std::int32_t middle = raw_bits > 0 ? 1 << (raw_bits - 1) : 0;
+        std::int32_t wanted = middle;
+        if constexpr (!Coder::kDecodes) wanted += quotient(source_(row.index, c) - predicted);
+        const std::int32_t q = quotients_.code(wanted >> raw_bits, s);
+        const std::uint32_t low =
+            code_low_bits(coder_, static_cast<std::uint32_t>(wanted), raw_bits);
+        row.values[c] = value(predicted, (std::int64_t{q} << raw_bits) + low - middle);
         row.quotients[c] = static_cast<std::int16_t>(std::clamp(q, -kMostStored, kMostStored));
         return q;
     }
@@ -264,9 +270,11 @@ class LevelPass {
     }
 
     /// Within what a source can need: altered bytes can ask for more.
-    [[nodiscard]] std::int32_t value(std::int32_t predicted, std::int32_t q) const {
+    [[nodiscard]] std::int32_t value(std::int32_t predicted, std::int64_t steps) const {
+        constexpr std::int64_t most = INT32_MAX;
+        steps = std::clamp(steps, -most, most);
         return static_cast<std::int32_t>(std::clamp<std::int64_t>(
-            predicted + std::int64_t{q} * level_.step, std::int64_t{level_.lowest} - half_,
+            predicted + steps * level_.step, std::int64_t{level_.lowest} - half_,
             std::int64_t{level_.highest} + half_));
     }
 
@@ -314,9 +322,11 @@ class LevelPass {
     LatticeLevel& level_;
     GridView<const std::int32_t> source_;
     std::int32_t half_;  ///< the largest error that needs no quotient
+    double step_;        ///< of modelled quotients
     double per_step_;
+    bool exact_;  ///< q = 0 leaves no doubt, and rules apply
     RowForecast forecast_;
-    std::vector<InterpolationRules> rules_;  ///< of each kind, if the step is 1
+    std::vector<InterpolationRules> rules_;  ///< of each kind, where exact
     std::vector<Lesson> lessons_;
     std::vector<Equation> equations_;
 };

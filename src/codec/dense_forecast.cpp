@@ -81,7 +81,7 @@ void RowForecast::measure(const LatticeLevel& level, const Stencil& stencil, std
     const std::int16_t* const q1 = quotient(stencil.causal[1]);
     const std::int16_t* const q2 = quotient(stencil.causal[2]);
     const double ring = stencil.ring_texture / std::abs(stencil.second_weight);
-    const auto per_step = static_cast<float>(1.0 / level.step);
+    const auto per_step = static_cast<float>(1.0 / modelled_step(level));
     for (std::int64_t k = 0; k < count; ++k) {
         const auto i = static_cast<std::size_t>(k);
         const double nw = a[2 * k];

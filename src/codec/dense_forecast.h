@@ -9,6 +9,11 @@
 
 namespace relief::codec::dense {
 
+/// What a modelled quotient counts: the step, and what raw bits tell.
+[[nodiscard]] inline double modelled_step(const LatticeLevel& level) {
+    return static_cast<double>(std::int64_t{level.step} << level.raw_bits);
+}
+
 /// What is known of the samples of a row before the row is coded. Element k belongs to column
 /// first + 2 k.
 struct RowForecast {

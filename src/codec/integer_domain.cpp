@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -51,6 +52,17 @@ double lattice_step(double bound, double unit, double rounding) {
 }
 
 }  // namespace
+
+double ordinal_of_float(float value) {
+    const auto bits = std::bit_cast<std::int32_t>(value);
+    return bits < 0 ? ~(bits ^ INT32_MIN) : bits;
+}
+
+double float_of_ordinal(double ordinal) {
+    constexpr double last = 0x7f7fffff;
+    const auto place = static_cast<std::int32_t>(std::clamp(ordinal, -last - 1, last));
+    return std::bit_cast<float>(place < 0 ? ~place ^ INT32_MIN : place);
+}
 
 void SampleStatistics::add(double sample) {
     if (count++ == 0) {
@@ -110,13 +122,20 @@ std::optional<IntegerDomain> make_domain(const SampleStatistics& s, SampleType t
             domain.step |= 1;
         }
     }
-    if (!domain.lattice) {
+    domain.floats = !domain.lattice && bound == 0 && type == SampleType::Float32;
+    if (domain.floats) {
+        domain.unit = rounding;
+    } else if (!domain.lattice) {
         if (!(fine_bound > 0) || is_integer(type)) return {};
         domain.unit = rounded_down(2 * fine_bound / kFineStep, kUnitDigits);
         domain.step = kFineStep;
     }
-    domain.origin = std::nearbyint(s.lowest / domain.unit);
-    const double highest = std::nearbyint(s.highest / domain.unit) - domain.origin;
+    const auto integer = [&](double sample) {
+        return domain.floats ? ordinal_of_float(static_cast<float>(sample))
+                             : std::nearbyint(sample / domain.unit);
+    };
+    domain.origin = integer(s.lowest);
+    const double highest = integer(s.highest) - domain.origin;
     const bool fits = domain.unit > 0 && std::isfinite(domain.unit) &&
                       std::abs(domain.origin) < kExact && highest >= 0 &&
                       highest <= kLargestInteger;

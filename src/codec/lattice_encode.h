@@ -38,6 +38,9 @@ struct Survey {
     Raster coarse;  ///< every 8th sample of both axes
 };
 
+/// A few strips of rows, spread over a raster, for statistics. They begin with even rows.
+[[nodiscard]] std::vector<LatticeBox> sample_strips(const Raster& about);
+
 /// Reads the raster once. Errors: BadInput for a valid sample that is not a finite number, with its
 /// place, and when no sample is valid; those of the source; Cancelled.
 [[nodiscard]] Result<Survey> survey(const RasterSource& source, const Progress& progress);

@@ -73,7 +73,10 @@ struct LatticeLevel {
     MarginGrid<std::uint8_t> valid;      ///< 1 sample, 0 hole (nothing is coded); 0 in margins
     bool all_valid = true;               ///< no holes among the samples
     std::int32_t step = 1;               ///< odd; |value - source| <= (step - 1) / 2
-    std::int32_t lowest = 0;             ///< of all sources, as predictions are clamped
+    /// Low bits of quotients that profile dense writes as they are. It models the rest, which
+    /// `quotients` holds.
+    int raw_bits = 0;
+    std::int32_t lowest = 0;  ///< of all sources, as predictions are clamped
     std::int32_t highest = 0;
 
     [[nodiscard]] std::int64_t rows() const { return values.rows(); }

@@ -4,13 +4,12 @@
 #include <array>
 #include <cmath>
 
+#include "codec/lattice_encode.h"
+
 namespace relief::codec {
 
 namespace {
 
-/// Rows that are looked at, in strips spread over the raster.
-constexpr std::int64_t kStrips = 8;
-constexpr std::int64_t kStripRows = 64;
 /// Fewer samples than these say little.
 constexpr std::int64_t kFewest = 4096;
 /// Shares of means that differ by as much are no accident.
@@ -32,7 +31,7 @@ bool is_mean(double before, double sample, double after, SampleType type) {
     return std::abs(2 * sample - before - after) <= rounding;
 }
 
-struct Survey {
+struct ParitySurvey {
     Parities rows;  ///< by the row's parity, of neighbours above and below
     Parities cols;
 
@@ -66,12 +65,9 @@ std::int64_t margin_of(const Parities& parities) {
 
 Result<LatticeMargin> choose_margin(const RasterSource& source) {
     const Raster& about = source.description();
-    const std::int64_t strips = std::min(kStrips, (about.rows + kStripRows - 1) / kStripRows);
-    Survey seen;
-    for (std::int64_t k = 0; k < strips; ++k) {
-        const std::int64_t row0 = k * about.rows / strips / 2 * 2;
-        RELIEF_TRY(Raster strip,
-                   source.read({row0, 0, std::min(kStripRows, about.rows - row0), about.cols}));
+    ParitySurvey seen;
+    for (const LatticeBox& box : sample_strips(about)) {
+        RELIEF_TRY(Raster strip, source.read(box));
         strip.type = about.type;
         for (std::size_t p = 0; p < strip.planes.size(); ++p) seen.add(strip, p);
     }

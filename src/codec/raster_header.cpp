@@ -98,6 +98,8 @@ Json lattice_json(const LatticeCoding& coding) {
         if (domain.origin != 0) item["origin"] = json_number(domain.origin);
         if (domain.step != 1) item["step"] = domain.step;
         if (domain.lattice) item["lattice"] = true;
+        if (domain.floats) item["floats"] = true;
+        if (domain.raw_bits != 0) item["raw_bits"] = domain.raw_bits;
         json["domains"].push_back(std::move(item));
     }
     return json;
@@ -111,6 +113,8 @@ Status read_domain(const Json& json, IntegerDomain& domain) {
     domain.origin = reader.get("origin", 0.0);
     domain.step = reader.get<std::int32_t>("step", 1);
     domain.lattice = reader.get("lattice", false);
+    domain.floats = reader.get("floats", false);
+    domain.raw_bits = reader.get("raw_bits", 0);
     RELIEF_CHECK(reader.status());
     if (!(domain.unit > 0) || !std::isfinite(domain.unit) || !(std::abs(domain.origin) < 0x1p53) ||
         domain.origin != std::floor(domain.origin))
@@ -118,6 +122,8 @@ Status read_domain(const Json& json, IntegerDomain& domain) {
     if (domain.highest < 0 || domain.highest >= largest || domain.step < 1 ||
         domain.step > largest || domain.step % 2 == 0)
         return bad("the range or step of its integers is out of range");
+    if (domain.raw_bits < 0 || domain.raw_bits > kMostRawBits)
+        return bad("the number of its raw bits is out of range");
     return {};
 }
 

@@ -27,7 +27,9 @@ inline void integer_row_scalar(const double* samples, std::int64_t n, const Inte
                                std::int32_t* out) {
     const double top = domain.highest;
     for (std::int64_t k = 0; k < n; ++k) {
-        double v = samples[k] / domain.unit - domain.origin;
+        double v = (domain.floats ? ordinal_of_float(static_cast<float>(samples[k]))
+                                  : samples[k] / domain.unit) -
+                   domain.origin;
         v = v > 0 ? v : 0;  // NaN too
         v = v < top ? v : top;
         out[k] = static_cast<std::int32_t>(v + kNoFraction - kNoFraction);
@@ -296,12 +298,12 @@ HWY_EXPORT(range);
 
 void integer_row(const double* samples, std::int64_t n, const IntegerDomain& domain,
                  std::int32_t* out) {
-    if (!simd_enabled()) return integer_row_scalar(samples, n, domain, out);
+    if (!simd_enabled() || domain.floats) return integer_row_scalar(samples, n, domain, out);
     HWY_DYNAMIC_DISPATCH(integers)(samples, n, domain, out);
 }
 
 void value_row(const std::int32_t* v, std::int64_t n, const IntegerDomain& domain, double* out) {
-    if (!simd_enabled()) return value_row_scalar(v, n, domain, out);
+    if (!simd_enabled() || domain.floats) return value_row_scalar(v, n, domain, out);
     HWY_DYNAMIC_DISPATCH(values)(v, n, domain, out);
 }
 

@@ -175,6 +175,7 @@ LatticeLevel TileCodec::begin_level(int level, std::size_t component, LatticeLev
     next.lowest = 0;
     next.highest = coding_.domains[component].highest;
     next.step = coding_.step(component, level);
+    next.raw_bits = coding_.domains[component].raw_bits;
     next.all_valid = valid_.empty();
     for (std::int64_t r = 0; r < rows; ++r) {
         std::uint8_t* to = next.valid.row(r);

@@ -240,7 +240,8 @@ class Decoder:
                 tile.levels.append(level)
                 tile.coders.append(Dense() if self.lattice["profile"] == "dense" else Fast())
             else:
-                tile.coders[c].decode(level, data, number, step)
+                raw_bits = self.lattice["domains"][c].get("raw_bits", 0)
+                tile.coders[c].decode(level, data, number, step, raw_bits)
                 tile.levels[c] = level
         shift = number - 3 * tier.k
         rows, cols = up(tile.box[2], shift), up(tile.box[3], shift)
@@ -261,8 +262,9 @@ class Decoder:
                 for r, k in itertools.product(range(tile.box[2]), range(tile.box[3])):
                     if not tile.valid[r][k]:
                         continue
-                    value = self.stored(domain["unit"] *
-                                        (domain.get("origin", 0) + tile.levels[c].values[r, k]))
+                    number = domain.get("origin", 0) + tile.levels[c].values[r, k]
+                    value = self.stored(float_number(number) if domain.get("floats")
+                                        else domain["unit"] * number)
                     plane[tile.box[0] + r][tile.box[1] + k] = tile.repairs.get((c, r, k), value)
             planes.append([row[self.margin[1]:] for row in plane[self.margin[0]:]])
         return planes
@@ -297,6 +299,12 @@ class Decoder:
         move = 8 * tolerance * abs(nodata)
         upwards = nodata + move <= largest and (value >= nodata or nodata - move < -largest)
         return to_type(nodata + move if upwards else nodata - move)
+
+
+def float_number(n):
+    """The n-th float: 0 is number 0, -0 number -1."""
+    n = clamp(n, -0x7f800000, 0x7f7fffff)
+    return struct.unpack("<f", struct.pack("<I", n if n >= 0 else 0x80000000 | ~n))[0]
 
 
 f32_largest = struct.unpack("<f", b"\xff\xff\x7f\x7f")[0]

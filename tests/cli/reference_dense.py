@@ -138,7 +138,7 @@ class Dense:
         other.candidates = self.candidates
         return other
 
-    def decode(self, level, data, number, step):
+    def decode(self, level, data, number, step, raw_bits):
         for estimate in self.estimates.values():
             estimate[1] = min(estimate[1], 10)
         for regression in self.regressions:
@@ -146,10 +146,10 @@ class Dense:
         level.misses = {}
         coder = RangeDecoder(data)
         for r in range(1, level.rows, 2):
-            DenseRow(self, coder, level, number, step, 0, r).decode()
+            DenseRow(self, coder, level, number, step, raw_bits, 0, r).decode()
         fill_edge_margins(level)
         for r in range(level.rows):
-            DenseRow(self, coder, level, number, step, 1 if r % 2 else 2, r).decode()
+            DenseRow(self, coder, level, number, step, raw_bits, 1 if r % 2 else 2, r).decode()
         coder.finish()
 
     def estimate(self, key):
@@ -188,9 +188,11 @@ class Dense:
 class DenseRow:
     """The samples of one kind in one row."""
 
-    def __init__(self, state, coder, level, number, step, kind, r):
+    def __init__(self, state, coder, level, number, step, raw_bits, kind, r):
         self.state, self.coder, self.level = state, coder, level
-        self.number, self.step, self.kind, self.r = number, step, kind, r
+        self.number, self.kind, self.r = number, kind, r
+        self.fine, self.raw_bits = step, raw_bits
+        self.step = step = step << raw_bits
         self.rules = KINDS[kind]
         self.per_step = f32(1 / step)
         self.rules_apply = step == 1 and kind > 0
@@ -263,7 +265,7 @@ class DenseRow:
             guess, about["E"] = rules[candidate], candidate
         q, value = self.code(c, guess, second, about)
 
-        echo = q == 0 and step > 1
+        echo = q == 0 and step > 1 and not self.raw_bits
         if not holds:
             error = 0.0 if echo else clamp(f32((value - guess) * (1 / step)), -10.0, 10.0)
             mean = f32(mean + f32(f32(error - mean) * f32(1 / (count + 4))))
@@ -276,14 +278,18 @@ class DenseRow:
 
     def code(self, c, guess, second, about):
         """The quotient and the value."""
-        level, step = self.level, self.step
+        level, step = self.level, self.fine
         bounded = clamp(guess, 0, level.highest)
         predicted = near(bounded)
         about["lost"] = f32(f32(bounded - predicted) * self.per_step)
         about["dispute"] = f32(f32(second - guess) * self.per_step)
         q = self.quotient(about)
         half = (step - 1) // 2
-        value = clamp(predicted + q * step, -half, level.highest + half)
+        steps = q
+        if self.raw_bits:
+            steps = (q << self.raw_bits) + self.coder.low_bits(self.raw_bits)
+            steps -= 1 << self.raw_bits - 1
+        value = clamp(predicted + steps * step, -half, level.highest + half)
         level.values[self.r, c], level.quotients[self.r, c] = value, kept(q)
         return q, value
 

@@ -78,7 +78,7 @@ class Fast:
                 assert 0 <= row[t] < 64
             assert any(row)
 
-    def decode(self, level, data, _number, step):
+    def decode(self, level, data, _number, step, _raw_bits):
         if not data:
             fill(level, step)
             return

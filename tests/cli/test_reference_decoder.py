@@ -52,6 +52,14 @@ class ReferenceDecoder(Case):
                      nodata=float(values[3, 3]))
         self.compare(values.astype("float64"), "--max-error", 0.001)
 
+    def test_lossless_floats_and_raw_bits(self):
+        header = self.compare((1000 + hills(40, 50)).astype("float32"), "--lossless")
+        self.assertTrue(header["lattice"]["domains"][0]["floats"])
+        self.assertGreater(header["lattice"]["domains"][0]["raw_bits"], 3)
+        steep = np.rint(1e5 * hills(40, 50, rough=30)).astype("int32")
+        header = self.compare(steep, "--max-error", 4)
+        self.assertGreater(header["lattice"]["domains"][0]["raw_bits"], 3)
+
     def test_repairs_of_samples_off_the_lattice(self):
         values = np.rint(hills(40, 50)).astype("float32")
         values[[0, 7, 16], [0, 33, 32]] += np.float32(0.37)
