@@ -122,7 +122,8 @@ std::optional<IntegerDomain> make_domain(const SampleStatistics& s, SampleType t
             domain.step |= 1;
         }
     }
-    domain.floats = !domain.lattice && bound == 0 && type == SampleType::Float32;
+    // Below the type's own steps exactness costs less.
+    domain.floats = !domain.lattice && bound <= rounding && type == SampleType::Float32;
     if (domain.floats) {
         domain.unit = rounding;
     } else if (!domain.lattice) {
