@@ -133,7 +133,8 @@ class Encoder {
 
     /// The pyramid whose coefficients are to be quantised with a step.
     Pyramid<double> improved(double step) const {
-        return codec::improved(pyramid_, target_, {.step = step, .means = means_}, options_.effort);
+        return codec::improved(copy_of(pyramid_), target_, {.step = step, .means = means_},
+                               options_.effort);
     }
 
     /// Codes the streams, which drops some values, and measures what is left.

@@ -51,9 +51,8 @@ Pyramid<double> copy_of(const Pyramid<double>& pyramid) {
     return copy;
 }
 
-Pyramid<double> improved(const Pyramid<double>& exact, const Target& target,
-                         const PyramidCoding& coding, Effort effort, bool fixed_scaling) {
-    Pyramid<double> chosen = copy_of(exact);
+Pyramid<double> improved(Pyramid<double> chosen, const Target& target, const PyramidCoding& coding,
+                         Effort effort, bool fixed_scaling) {
     if (effort == Effort::Select) return chosen;
     Selection selection = select_above(chosen, kRefitThreshold * coding.step);
     if (fixed_scaling) {

@@ -28,7 +28,7 @@ inline constexpr double kLargestStep = 1e99;
 /// squares over those that will not be zero takes 10 to 20 % off the file at the same error: atoms
 /// of one level overlap and can take over what their neighbours lose. `fixed_scaling`: the scaling
 /// band is all zero and stays so. Effort::Select copies. Complexity: O(samples).
-[[nodiscard]] Pyramid<double> improved(const Pyramid<double>& exact, const Target& target,
+[[nodiscard]] Pyramid<double> improved(Pyramid<double> exact, const Target& target,
                                        const PyramidCoding& coding, Effort effort,
                                        bool fixed_scaling = false);
 

@@ -27,45 +27,33 @@ using multires::Planes;
 constexpr int kFine = TileTree::kTierLevels;
 /// One unit of their coarsest lattice holds so many samples a side.
 constexpr std::int64_t kUnit = std::int64_t{1} << kFine;
-/// How much more of the raster a block looks at on every side: 16 units, over which what happens
-/// beyond decays to 10^-9.
-constexpr std::int64_t kMargin = 16 * kUnit;
-/// Tiles along a side of a block.
-constexpr std::int64_t kBlockTiles = 2;
+/// How much more of the raster is looked at around a tile: 8 units, over which what happens beyond
+/// decays to 3 10^-5.
+constexpr std::int64_t kMargin = 8 * kUnit;
+/// Tiles that are chosen at once, for which there is memory.
+constexpr std::size_t kAtOnce = 4;
 /// Where a search is near enough to its goal: at first, without least squares, and in the end.
 constexpr double kRoughly = 0.9;
+constexpr double kRefinement = 1.05;
 constexpr double kClosely = 0.99;
 /// Stands for bounds and errors that are not known yet: a number of many digits.
 constexpr double kLongNumber = 123456.78901234567;
 constexpr std::int64_t kFar = std::int64_t{1} << 40;
 
 struct Block {
-    std::vector<std::int64_t> tiles;
-    LatticeBox core;    ///< samples of the raster that it codes
+    std::int64_t tile = 0;
+    LatticeBox core;    ///< the samples of its tile
     LatticeBox window;  ///< those that it looks at
 };
 
 std::vector<Block> blocks_of(const TileTree& tree, const LatticeBox& raster) {
-    const TileTree::Tier& tier = tree.tier(0);
     std::vector<Block> blocks;
-    for (std::int64_t i = 0; i < tier.tile_rows; i += kBlockTiles)
-        for (std::int64_t j = 0; j < tier.tile_cols; j += kBlockTiles) {
-            Block block;
-            const std::int64_t last_i = std::min(i + kBlockTiles, tier.tile_rows) - 1;
-            const std::int64_t last_j = std::min(j + kBlockTiles, tier.tile_cols) - 1;
-            for (std::int64_t k = i; k <= last_i; ++k)
-                for (std::int64_t l = j; l <= last_j; ++l)
-                    block.tiles.push_back(k * tier.tile_cols + l);
-            const LatticeBox first = tree.box(0, block.tiles.front());
-            const LatticeBox last = tree.box(0, block.tiles.back());
-            block.core = {first.row0, first.col0, last.row0 + last.rows - first.row0,
-                          last.col0 + last.cols - first.col0};
-            block.window =
-                intersection({block.core.row0 - kMargin, block.core.col0 - kMargin,
-                              block.core.rows + 2 * kMargin, block.core.cols + 2 * kMargin},
-                             raster);
-            blocks.push_back(std::move(block));
-        }
+    for (std::int64_t tile = 0; tile < tree.tier(0).tiles(); ++tile) {
+        const LatticeBox core = tree.box(0, tile);
+        const LatticeBox around{core.row0 - kMargin, core.col0 - kMargin, core.rows + 2 * kMargin,
+                                core.cols + 2 * kMargin};
+        blocks.push_back({tile, core, intersection(around, raster)});
+    }
     return blocks;
 }
 
@@ -204,7 +192,7 @@ class TiledEncoder {
         return {};
     }
 
-    /// Masks of the block's tiles, and which values of level kFine have valid samples around them.
+    /// The mask of the tile, and which values of level kFine have valid samples around them.
     Status keep_masks(const Block& block, const Raster& window) {
         for (std::int64_t r = 0; r < window.rows; ++r)
             for (std::int64_t c = 0; c < window.cols; ++c) {
@@ -216,14 +204,10 @@ class TiledEncoder {
                 const std::int64_t j = std::min((col + kUnit / 2) >> kFine, near_valid_.cols() - 1);
                 near_valid_(i, j) = 1;
             }
-        for (const std::int64_t tile : block.tiles) {
-            const LatticeBox box = tree_.box(0, tile);
-            const LatticeBox local = moved(box, block.window.row0, block.window.col0);
-            const Bytes mask = window.mask.empty()
-                                   ? Bytes()
-                                   : encode_tile_mask(part_of(window.mask.view(), local));
-            RELIEF_TRY(masks_[static_cast<std::size_t>(tile)], spooled(mask, spool_));
-        }
+        const LatticeBox local = moved(block.core, block.window.row0, block.window.col0);
+        const Bytes mask =
+            window.mask.empty() ? Bytes() : encode_tile_mask(part_of(window.mask.view(), local));
+        RELIEF_TRY(masks_[static_cast<std::size_t>(block.tile)], spooled(mask, spool_));
         return {};
     }
 
@@ -310,7 +294,10 @@ class TiledEncoder {
         RELIEF_TRY(Attempt rough, find(start, kRoughly, Effort::Select, 0.1));
         if (options_.effort == Effort::Select)
             return find(rough.coding.step, kClosely, Effort::Select, 0.5);
-        return find(rough.coding.step, kClosely, options_.effort, 0.5);
+        // Least squares take some per cent off the error.
+        const double refined = by_rms ? kRefinement * rough.coding.step / measure(rough)
+                                      : rough.coding.step;
+        return find(refined, kClosely, options_.effort, 0.5);
     }
 
     [[nodiscard]] double least_step() const { return std::max(largest_ / 0x1p29, 1e-290); }
@@ -324,7 +311,7 @@ class TiledEncoder {
         PyramidCoding eighth = result.coding;
         eighth.step /= static_cast<double>(kUnit);
         QuantisedPyramid coarse =
-            quantise(improved(coarse_, coarse_target_, eighth, effort), eighth);
+            quantise(improved(copy_of(coarse_), coarse_target_, eighth, effort), eighth);
         const std::span<const StreamLayout::Group> groups(streams_.groups());
         const auto first_fine = static_cast<std::size_t>(
             std::find_if(groups.begin(), groups.end(),
@@ -340,9 +327,15 @@ class TiledEncoder {
         auto surface = Pyramid<double>::allocate(coarse_.layout);
         reconstruct(coarse, eighth, 0, 0, surface);
         const Planes<double> below = multires::synthesise(surface);
-        for (const Block& block : blocks_) {
+        for (std::size_t first = 0; first < blocks_.size(); first += kAtOnce) {
             if (cancelled(done_)) return cancelled_error();
-            RELIEF_CHECK(attempt_block(block, below, coarse, effort, coded, places, result));
+            const std::size_t last = std::min(first + kAtOnce, blocks_.size());
+            RELIEF_TRY(const std::int64_t kept,
+                       encode_blocks(first, last, {below, coarse, result.coding, effort}, coded));
+            result.kept += kept;
+            for (std::size_t k = first; k < last; ++k)
+                for (const std::size_t number : streams_of(blocks_[k]))
+                    RELIEF_CHECK(put_away(coded[number], places[number]));
         }
         result.coding.layers = choose_layers(coded);
         RELIEF_CHECK(make_chunks(coded, places, result));
@@ -363,7 +356,7 @@ class TiledEncoder {
                 plane = Grid<double>(plane.rows(), plane.cols(), 0.0);
         }
         const Pyramid<double> details =
-            improved(exact, window.target(), coding, effort, effort != Effort::Select);
+            improved(std::move(exact), window.target(), coding, effort, effort != Effort::Select);
         QuantisedPyramid result;
         result.boxes.resize(layout_.bands.size());
         result.values.resize(layout_.bands.size());
@@ -417,34 +410,50 @@ class TiledEncoder {
         }
     }
 
-    Status attempt_block(const Block& block, const Planes<double>& below,
-                         const QuantisedPyramid& coarse, Effort effort,
-                         std::vector<CodedStream>& coded,
-                         std::vector<std::vector<SpooledChunk>>& places, Attempt& result) {
-        RELIEF_TRY(QuantisedPyramid details, chosen(block, below, result.coding, effort));
-        std::vector<std::size_t> numbers;  // of the streams of a tile, coarse levels first
-        for (const std::int64_t tile : block.tiles)
-            for (int level = kFine; level >= 1; --level)
-                numbers.push_back(streams_.stream_of(streams_.group_of_level(level), tile));
-        std::vector<Status> states(block.tiles.size());
-        const auto tiles = static_cast<std::int64_t>(block.tiles.size());
-        parallel_for(0, tiles, 1, [&](std::int64_t first, std::int64_t last) {
-            for (auto t = static_cast<std::size_t>(first); t < static_cast<std::size_t>(last); ++t)
-                for (std::size_t k = 0; k < kFine && states[t].ok(); ++k) {
-                    const std::size_t number = numbers[kFine * t + k];
-                    auto stream = encode_one_stream(layout_, streams_, number, details,
-                                                    k == 0 ? coarse : details);
-                    if (stream.ok())
-                        coded[number] = *std::move(stream);
-                    else
-                        states[t] = stream.error();
-                }
-        });
-        for (const Status& state : states) RELIEF_CHECK(state);
-        for (const std::size_t number : numbers)
-            RELIEF_CHECK(put_away(coded[number], places[number]));
-        result.kept += count_kept(details);
-        return {};
+    /// What blocks are coded over.
+    struct Base {
+        const Planes<double>& below;  ///< the surface of the coarser levels, at level kFine
+        const QuantisedPyramid& coarse;
+        const PyramidCoding& coding;
+        Effort effort;
+    };
+
+    /// The streams of a tile's fine levels, coarse ones first.
+    [[nodiscard]] std::vector<std::size_t> streams_of(const Block& block) const {
+        std::vector<std::size_t> numbers;
+        for (int level = kFine; level >= 1; --level)
+            numbers.push_back(streams_.stream_of(streams_.group_of_level(level), block.tile));
+        return numbers;
+    }
+
+    /// Returns how many coefficients are not zero.
+    Result<std::int64_t> encode_blocks(std::size_t first, std::size_t last, const Base& base,
+                                       std::vector<CodedStream>& coded) const {
+        std::vector<Result<std::int64_t>> kept(last - first, std::int64_t{0});
+        parallel_for(0, static_cast<std::int64_t>(last - first), 1,
+                     [&](std::int64_t begin, std::int64_t end) {
+                         for (auto k = static_cast<std::size_t>(begin);
+                              k < static_cast<std::size_t>(end); ++k)
+                             kept[k] = encode_block(blocks_[first + k], base, coded);
+                     });
+        std::int64_t sum = 0;
+        for (const Result<std::int64_t>& count : kept) {
+            RELIEF_TRY(const std::int64_t n, count);
+            sum += n;
+        }
+        return sum;
+    }
+
+    Result<std::int64_t> encode_block(const Block& block, const Base& base,
+                                      std::vector<CodedStream>& coded) const {
+        RELIEF_TRY(QuantisedPyramid details, chosen(block, base.below, base.coding, base.effort));
+        const QuantisedPyramid* above = &base.coarse;
+        for (const std::size_t number : streams_of(block)) {
+            RELIEF_TRY(coded[number],
+                       encode_one_stream(layout_, streams_, number, details, *above));
+            above = &details;
+        }
+        return count_kept(details);
     }
 
     /// Streams wait on the spool.

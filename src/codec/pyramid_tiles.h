@@ -8,14 +8,14 @@ namespace relief::codec {
 
 /// Whether encode_tiles can do what is asked: goals rms-error above 0 and bytes, at least four
 /// levels, splines that are not exact.
-[[nodiscard]] bool fits_tiles(const Raster& about, int components,
-                              const multires::SchemeSpec& spec, const Goal& goal);
+[[nodiscard]] bool fits_tiles(const Raster& about, int components, const multires::SchemeSpec& spec,
+                              const Goal& goal);
 
-/// As encode_pyramid, in blocks of a few tiles: the three finest levels of a block are chosen
-/// together, over what is left of the coarser ones, which are chosen first and for the whole
-/// raster. Every step that is tried reads the raster once. What is written is decoded and measured.
-/// Memory: a few megabytes for each column of blocks, and the coarser levels, a 64th of the
-/// samples; with a mask, one byte a sample. Errors: those of encode_raster, source and spool.
+/// As encode_pyramid, tile by tile: the three finest levels of a tile are chosen together, over
+/// what is left of the coarser ones, which are chosen first and for the whole raster. Every step
+/// that is tried reads the raster once. What is written is decoded and measured. Memory: some 100
+/// MB for each of four tiles, a few megabytes for each column of tiles, and the coarser levels, a
+/// 64th of the samples. Errors: those of encode_raster, source and spool.
 [[nodiscard]] Result<EncodeReport> encode_tiles(const RasterSource& source,
                                                 const multires::SchemeSpec& spec,
                                                 const EncodeOptions& options, ByteSink& sink,

@@ -74,9 +74,10 @@ struct EncodedRaster {
 [[nodiscard]] Result<EncodedRaster> encode_raster(const Raster& raster,
                                                   const EncodeOptions& options);
 
-/// The same from a source that is read in windows to a sink, tile by tile where the scheme can:
-/// memory then grows with the width of the raster and a 64th of its samples only. `spool` holds
-/// coded tiles until their place in the file is known.
+/// The same from a source that is read in windows to a sink, tile by tile where the scheme can
+/// (bounds by the closed loop; goals rms-error and bytes by scheme `cubic`): memory then grows with
+/// the width of the raster and a 64th of its samples only. `spool` holds coded tiles until their
+/// place in the file is known.
 [[nodiscard]] Result<EncodeReport> encode_raster(const RasterSource& source,
                                                  const EncodeOptions& options, ByteSink& sink,
                                                  Spool& spool);
