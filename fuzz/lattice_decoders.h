@@ -115,7 +115,7 @@ inline void check_round_trip(const LatticeLevel& decoded, const LevelShape& shap
             source(r, c) = std::clamp(decoded.values(r, c), decoded.lowest, decoded.highest);
     LatticeLevel meant = shape.below(above);
     Bytes coded;
-    before.descendant()->encode(meant, source.view(), coded);
+    require(before.descendant()->encode(meant, source.view(), coded));
     LatticeLevel again = shape.below(above);
     require(before.descendant()->decode(again, coded).ok());
     require(same_samples(meant, again));
@@ -134,13 +134,12 @@ inline void lattice_level(std::span<const std::uint8_t> bytes) {
     while (level.level > 0) {
         LatticeLevel next = shape.below(level);
         const auto before = codec->descendant();
-        const bool good = codec->decode(next, in.part()).ok();
+        if (!codec->decode(next, in.part()).ok()) return;
         fill_edge_margins(next);
         for (std::int64_t r = 0; r < next.rows(); ++r)
             for (std::int64_t c = 0; c < next.cols(); ++c)
                 require(next.values(r, c) >= -shape.highest - shape.step / 2 &&
                         next.values(r, c) <= 2 * std::int64_t{shape.highest} + shape.step / 2);
-        if (!good) return;
         check_round_trip(next, shape, level, *before);
         level = std::move(next);
     }

@@ -161,6 +161,7 @@ class LevelPass {
                 code_sample(row, k, learnt);
             } else {
                 row.values[c] = nearest_integer(in_range(learnt));
+                row.quotients[c] = 0;
                 if (row.rules) row.rules->skip(k);
             }
         }
@@ -184,7 +185,7 @@ class LevelPass {
         Bias* bias = nullptr;
         double p = learnt;
         if (rule) {
-            p = interpolated[*rule];
+            p = static_cast<double>(interpolated[*rule]) / 2;
             s.scale = *rule;  // a class below that of kScale.least
         } else {
             bias = &bias_of(row, c, learnt, s);
@@ -253,12 +254,11 @@ class LevelPass {
 
     [[nodiscard]] InterpolationRules::Predictions interpolate(const Row& row,
                                                               std::int64_t c) const {
-        const std::array<double, 4> n = {
-            static_cast<double>(row.nearest[0][c]), static_cast<double>(row.nearest[1][c]),
-            static_cast<double>(row.nearest[2][c]), static_cast<double>(row.nearest[3][c])};
+        const std::array<std::int64_t, 4> n = {row.nearest[0][c], row.nearest[1][c],
+                                               row.nearest[2][c], row.nearest[3][c]};
         const Offset d = row.stencil.nearest[1];
-        return {(n[0] + n[3]) / 2, (n[1] + n[2]) / 2,
-                2 * n[1] - level_.values(row.index + 2 * d.row, c + 2 * d.col)};
+        return {n[0] + n[3], n[1] + n[2],
+                2 * (2 * n[1] - level_.values(row.index + 2 * d.row, c + 2 * d.col))};
     }
 
     [[nodiscard]] std::int32_t quotient(std::int32_t residual) const {
@@ -337,12 +337,13 @@ class DenseCodec final : public LevelCodec {
     DenseCodec(const DenseCodec& other)
         : LevelCodec(other), state_(std::make_unique<DenseState>(*other.state_)) {}
 
-    void encode(LatticeLevel& level, GridView<const std::int32_t> source,
+    bool encode(LatticeLevel& level, GridView<const std::int32_t> source,
                 std::vector<std::uint8_t>& out) override {
-        RangeEncoder encoder;
+        CheckedEncoder encoder;
         LevelPass(encoder, *state_, level, source).run();
         const std::vector<std::uint8_t> bytes = encoder.finish();
         out.insert(out.end(), bytes.begin(), bytes.end());
+        return encoder.decodes_from(bytes);
     }
 
     Status decode(LatticeLevel& level, std::span<const std::uint8_t> bytes) override {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <hwy/base.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -81,7 +83,8 @@ inline std::int32_t target_of(bool bit) {
 
 /// Codes one decision under three contexts. All that took part learns.
 template <class Coder>
-bool code_mixed(Coder& coder, bool bit, const Mixer::Estimates& estimates, Mixer& mixer) {
+HWY_INLINE bool code_mixed(Coder& coder, bool bit, const Mixer::Estimates& estimates,
+                           Mixer& mixer) {
     const Mixer::Odds odds = Mixer::odds_of(estimates);
     const std::uint32_t predicted = kOdds.squash[mixer.mix(odds)];
     bit = coder.code(bit, codable(predicted));
@@ -92,8 +95,8 @@ bool code_mixed(Coder& coder, bool bit, const Mixer::Estimates& estimates, Mixer
 
 /// The same with the probability refined by what happened when it was predicted.
 template <class Coder>
-bool code_refined(Coder& coder, bool bit, const Mixer::Estimates& estimates, Mixer& mixer,
-                  Refinement& refinement) {
+HWY_INLINE bool code_refined(Coder& coder, bool bit, const Mixer::Estimates& estimates,
+                             Mixer& mixer, Refinement& refinement) {
     const Mixer::Odds odds = Mixer::odds_of(estimates);
     const std::uint32_t position = mixer.mix(odds);
     const std::uint32_t predicted = kOdds.squash[position];

@@ -100,7 +100,8 @@ class Contexts {
     static constexpr std::size_t kPlace = kSignByDispute + kLeans * kDisputes;
     static constexpr std::size_t kSize = kPlace + kBuckets + 1;
 
-    std::array<Estimate, kSize> estimates_;
+    alignas(
+        64) std::array<Estimate, kSize> estimates_;  // the nodes of a context share a cache line
 };
 
 /// Everything that coding quotients learns.

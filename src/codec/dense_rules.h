@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <optional>
 #include <vector>
 
@@ -18,7 +19,8 @@ class InterpolationRules {
     /// The mean of the EE pair; of the D pair; the sample that makes the first of the D pair the
     /// mean of its neighbours.
     static constexpr std::size_t kCount = 3;
-    using Predictions = std::array<double, kCount>;
+    /// Twice the predictions.
+    using Predictions = std::array<std::int64_t, kCount>;
 
     /// How much better than what was learnt each rule did where it seemed to hold.
     using Scores = std::array<std::int32_t, kCount>;
@@ -52,11 +54,12 @@ class InterpolationRules {
     /// Sample k, for which find was called, is `value`.
     void learn(std::int64_t k, std::int32_t value, const Predictions& rules, double learnt) {
         // The last rule doubles the rounding of the mean that it inverts.
-        const Misses misses = {miss(2 * (value - rules[0])), miss(2 * (value - rules[1])),
-                               miss(value - rules[2]), miss(2 * (value - learnt))};
+        const std::int64_t twice = 2 * std::int64_t{value};
+        const Misses misses = {miss(twice - rules[0]), miss(twice - rules[1]),
+                               miss((twice - rules[2]) / 2), miss(2 * (value - learnt))};
         current_[static_cast<std::size_t>(k) + 1] = misses;
         if (candidate_ == kCount) return;
-        const std::int32_t gain = misses[kLearnt] - miss(2 * (value - rules[candidate_]));
+        const std::int32_t gain = misses[kLearnt] - miss(twice - rules[candidate_]);
         std::int32_t& score = scores_[candidate_];
         score = std::clamp(score + gain, -kLargestScore, kLargestScore);
     }
@@ -74,6 +77,9 @@ class InterpolationRules {
 
     static std::uint8_t miss(double halves) {
         return static_cast<std::uint8_t>(std::clamp<double>(std::abs(halves) - 1, 0, kMost));
+    }
+    static std::uint8_t miss(std::int64_t halves) {
+        return static_cast<std::uint8_t>(std::clamp<std::int64_t>(std::abs(halves) - 1, 0, kMost));
     }
 
     Scores& scores_;

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -112,105 +113,6 @@ std::int64_t find_tokens(const std::uint8_t* tokens, std::int64_t n, std::int32_
     return count;
 }
 
-/// The symbols of a level, collected row by row, because rANS codes backwards.
-class TokenCollector {
-  public:
-    explicit TokenCollector(const LatticeLevel& level) {
-        const std::int64_t rows = level.rows() + level.rows() / 2;
-        const auto most = static_cast<std::size_t>(rows * padded((level.cols() + 1) / 2));
-        classes_ = Buffer<std::uint8_t>(most);
-        tokens_ = Buffer<std::uint8_t>(most);
-    }
-
-    void add_row(const SampleRow& row, RowBuffers& buffers) {
-        const std::int64_t n = padded(row.n);
-        std::uint8_t* tokens = buffers.tokens.data();
-        std::fill(tokens + row.n, tokens + n, std::uint8_t{0});
-        std::copy_n(buffers.classes.data(), n, classes_.data() + size_);
-        std::copy_n(tokens, n, tokens_.data() + size_);
-        size_ += static_cast<std::size_t>(n);
-        const std::int64_t count = find_tokens(tokens, n, buffers.places.data());
-        rest_.reserve(static_cast<std::size_t>(32 * count));
-        for (std::int64_t k = 0; k < count; ++k) {
-            const std::int32_t place = buffers.places[static_cast<std::size_t>(k)];
-            put_rest(tokens[place], buffers.quotients[static_cast<std::size_t>(place)]);
-        }
-        all_zero_ &= count == 0;
-    }
-
-    [[nodiscard]] bool all_zero() const { return all_zero_; }
-
-    /// Four tables in turn: adding twice in a row to one count would wait for the first sum.
-    [[nodiscard]] ClassCounts counts() const {
-        std::vector<std::array<TokenCounts, kClasses + 1>> parts(4);
-        for (std::size_t k = 0; k < size_; ++k) ++parts[k % 4][classes_[k]][tokens_[k]];
-        ClassCounts sums{};
-        for (const auto& part : parts)
-            for (std::size_t c = 0; c < kClasses; ++c)
-                for (std::size_t t = 0; t < kTokens; ++t) sums[c][t] += part[c][t];
-        return sums;
-    }
-
-    /// The words, at the end of `room`.
-    std::span<const std::uint16_t> encode(const TokenModel& model, std::size_t states,
-                                          Buffer<std::uint16_t>& room) const {
-        const auto symbols = symbols_of(model);
-        room = Buffer<std::uint16_t>(size_ + 2 * states);
-        std::uint16_t* const stop = room.data() + room.size();
-        std::uint16_t* end = stop;
-        std::array<std::uint32_t, kMostStates> state;
-        state.fill(kRansLow);
-        for (std::size_t k = size_; k-- > 0;)
-            end = symbols[classes_[k]][tokens_[k]].encode(state[k % states], end);
-        for (std::size_t s = states; s-- > 0;) {
-            *--end = static_cast<std::uint16_t>(state[s] >> 16);
-            *--end = static_cast<std::uint16_t>(state[s]);
-        }
-        return {end, stop};
-    }
-
-    [[nodiscard]] std::span<const std::uint8_t> rest() const { return rest_.bytes(); }
-
-  private:
-    using Symbols = std::array<std::array<RansSymbol, kTokens>, kClasses + 1>;
-
-    static Symbols symbols_of(const TokenModel& model) {
-        Symbols symbols;
-        for (std::size_t c = 0; c < kClasses; ++c) {
-            const TokenFrequencies frequencies = model.frequencies(c);
-            std::uint32_t start = 0;
-            for (std::size_t t = 0; t < kTokens; ++t) {
-                if (frequencies[t] > 0) symbols[c][t] = RansSymbol(start, frequencies[t]);
-                start += frequencies[t];
-            }
-        }
-        symbols[kSilent][0] = RansSymbol(0, kRansTotal);
-        return symbols;
-    }
-
-    void put_rest(std::uint8_t token, std::int32_t quotient) {
-        const TokenRange range = kRanges[token];
-        const auto offset = static_cast<std::uint32_t>(std::abs(quotient) - range.first);
-        rest_.put(offset << 1 | (quotient < 0 ? 1U : 0U), range.bits);
-    }
-
-    Buffer<std::uint8_t> classes_;
-    Buffer<std::uint8_t> tokens_;
-    std::size_t size_ = 0;
-    bool all_zero_ = true;
-    BitWriter rest_;
-};
-
-/// Each state more costs about three bytes, which is to be one percent of the chunk.
-int log_states_for(std::uint64_t bytes) {
-    return std::min(static_cast<int>(std::bit_width(bytes / 400)), 3);
-}
-
-Error damaged(const LatticeLevel& level) {
-    return {ErrorCode::BadFile, "the data of a level are damaged or cut off; fetch the file again",
-            "level " + std::to_string(level.level)};
-}
-
 class TokenDecoder {
   public:
     TokenDecoder(const TokenModel& model, std::size_t states, std::span<const std::uint8_t> words,
@@ -225,24 +127,39 @@ class TokenDecoder {
     }
 
     void decode_row(const SampleRow& row, RowBuffers& buffers) {
-        const std::uint8_t* classes = buffers.classes.data();
         std::uint8_t* tokens = buffers.tokens.data();
         const std::int64_t n = padded(row.n);
+        decode_tokens(buffers.classes.data(), n, tokens);
+        const std::int64_t count = find_tokens(tokens, n, buffers.places.data());
+        std::fill_n(buffers.quotients.data(), n, 0);
+        decode_quotients(tokens, buffers.places.data(), count, buffers.quotients.data());
+    }
+
+    /// Requires: n is a multiple of kBatch.
+    void decode_tokens(const std::uint8_t* classes, std::int64_t n, std::uint8_t* tokens) {
         switch (states_) {
             case 1:
-                decode_tokens<1>(classes, n, tokens);
-                break;
+                return decode_tokens_of<1>(classes, n, tokens);
             case 2:
-                decode_tokens<2>(classes, n, tokens);
-                break;
+                return decode_tokens_of<2>(classes, n, tokens);
             case 4:
-                decode_tokens<4>(classes, n, tokens);
-                break;
+                return decode_tokens_of<4>(classes, n, tokens);
             default:
-                decode_tokens<8>(classes, n, tokens);
+                return decode_tokens_of<8>(classes, n, tokens);
         }
-        const std::int64_t count = find_tokens(tokens, n, buffers.places.data());
-        decode_quotients(tokens, buffers.places.data(), count, row.n, buffers.quotients.data());
+    }
+
+    /// quotients[places[k]]: what the token there and its rest stand for.
+    void decode_quotients(const std::uint8_t* tokens, const std::int32_t* places,
+                          std::int64_t count, std::int32_t* quotients) {
+        BitReader rest = rest_;
+        for (std::int64_t k = 0; k < count; ++k) {
+            const TokenRange range = kRanges[tokens[places[k]]];
+            const std::uint32_t bits = rest.get(range.bits);
+            const std::int32_t magnitude = range.first + static_cast<std::int32_t>(bits >> 1);
+            quotients[places[k]] = bits & 1 ? -magnitude : magnitude;
+        }
+        rest_ = rest;
     }
 
     [[nodiscard]] bool at_end() const {
@@ -253,7 +170,7 @@ class TokenDecoder {
 
   private:
     template <std::size_t kStates>
-    void decode_tokens(const std::uint8_t* classes, std::int64_t n, std::uint8_t* tokens) {
+    void decode_tokens_of(const std::uint8_t* classes, std::int64_t n, std::uint8_t* tokens) {
         std::array<std::uint32_t, kStates> state;
         std::copy_n(state_.begin(), kStates, state.begin());
         RansWords words = words_;
@@ -277,19 +194,6 @@ class TokenDecoder {
         }
     }
 
-    void decode_quotients(const std::uint8_t* tokens, const std::int32_t* places,
-                          std::int64_t count, std::int64_t n, std::int32_t* quotients) {
-        std::fill_n(quotients, n, 0);
-        BitReader rest = rest_;
-        for (std::int64_t k = 0; k < count; ++k) {
-            const TokenRange range = kRanges[tokens[places[k]]];
-            const std::uint32_t bits = rest.get(range.bits);
-            const std::int32_t magnitude = range.first + static_cast<std::int32_t>(bits >> 1);
-            quotients[places[k]] = bits & 1 ? -magnitude : magnitude;
-        }
-        rest_ = rest;
-    }
-
     std::vector<RansTable<kTokens>> tables_;
     std::size_t states_;
     std::array<std::uint32_t, kMostStates> state_{};
@@ -297,9 +201,155 @@ class TokenDecoder {
     BitReader rest_;
 };
 
+/// The symbols of a level, collected row by row, because rANS codes backwards.
+class TokenCollector {
+  public:
+    explicit TokenCollector(const LatticeLevel& level) {
+        const std::int64_t rows = level.rows() + level.rows() / 2;
+        const auto most = static_cast<std::size_t>(rows * padded((level.cols() + 1) / 2));
+        classes_ = Buffer<std::uint8_t>(most);
+        tokens_ = Buffer<std::uint8_t>(most);
+        quotients_ = Buffer<std::int32_t>(most);
+    }
+
+    void add_row(const SampleRow& row, RowBuffers& buffers) {
+        const std::int64_t n = padded(row.n);
+        std::uint8_t* tokens = buffers.tokens.data();
+        std::fill(tokens + row.n, tokens + n, std::uint8_t{0});
+        std::copy_n(buffers.classes.data(), n, classes_.data() + size_);
+        std::copy_n(tokens, n, tokens_.data() + size_);
+        size_ += static_cast<std::size_t>(n);
+        const std::int64_t count = find_tokens(tokens, n, buffers.places.data());
+        rest_.reserve(static_cast<std::size_t>(32 * count));
+        for (std::int64_t k = 0; k < count; ++k) {
+            const std::int32_t place = buffers.places[static_cast<std::size_t>(k)];
+            const std::int32_t quotient = buffers.quotients[static_cast<std::size_t>(place)];
+            put_rest(tokens[place], quotient);
+            quotients_[nonzero_++] = quotient;
+        }
+    }
+
+    [[nodiscard]] bool all_zero() const { return nonzero_ == 0; }
+
+    /// Four tables in turn: adding twice in a row to one count would wait for the first sum.
+    [[nodiscard]] ClassCounts counts() const {
+        std::array<std::array<TokenCounts, kClasses + 1>, 4> parts{};
+        for (std::size_t k = 0; k < size_; k += parts.size())
+            for (std::size_t i = 0; i < parts.size(); ++i)
+                ++parts[i][classes_[k + i]][tokens_[k + i]];
+        ClassCounts sums{};
+        for (const auto& part : parts)
+            for (std::size_t c = 0; c < kClasses; ++c)
+                for (std::size_t t = 0; t < kTokens; ++t) sums[c][t] += part[c][t];
+        return sums;
+    }
+
+    /// The words, at the end of `room`.
+    std::span<const std::uint16_t> encode(const TokenModel& model, std::size_t states,
+                                          Buffer<std::uint16_t>& room) const {
+        const auto symbols = symbols_of(model);
+        room = Buffer<std::uint16_t>(size_ + 2 * states);
+        std::uint16_t* const stop = room.data() + room.size();
+        std::uint16_t* end = stop;
+        switch (states) {
+            case 1:
+                end = encode_tokens<1>(symbols, stop);
+                break;
+            case 2:
+                end = encode_tokens<2>(symbols, stop);
+                break;
+            case 4:
+                end = encode_tokens<4>(symbols, stop);
+                break;
+            default:
+                end = encode_tokens<8>(symbols, stop);
+        }
+        return {end, stop};
+    }
+
+    [[nodiscard]] std::span<const std::uint8_t> rest() const { return rest_.bytes(); }
+
+    /// Whether a decoder that is told the same classes finds the same symbols.
+    [[nodiscard]] bool decodes_from(TokenDecoder& decoder) const {
+        constexpr std::size_t kPiece = 4096;
+        Buffer<std::uint8_t> tokens(kPiece);
+        Buffer<std::int32_t> places(kPiece);
+        Buffer<std::int32_t> quotients(kPiece);
+        const std::int32_t* expected = quotients_.data();
+        for (std::size_t first = 0; first < size_; first += kPiece) {
+            const auto n = static_cast<std::int64_t>(std::min(kPiece, size_ - first));
+            decoder.decode_tokens(classes_.data() + first, n, tokens.data());
+            if (!std::equal(tokens.data(), tokens.data() + n, tokens_.data() + first)) return false;
+            const std::int64_t count = find_tokens(tokens.data(), n, places.data());
+            decoder.decode_quotients(tokens.data(), places.data(), count, quotients.data());
+            for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
+                if (quotients[static_cast<std::size_t>(places[k])] != *expected++) return false;
+        }
+        return decoder.at_end();
+    }
+
+  private:
+    using Symbols = std::array<std::array<RansSymbol, kTokens>, kClasses + 1>;
+
+    static Symbols symbols_of(const TokenModel& model) {
+        Symbols symbols;
+        for (std::size_t c = 0; c < kClasses; ++c) {
+            const TokenFrequencies frequencies = model.frequencies(c);
+            std::uint32_t start = 0;
+            for (std::size_t t = 0; t < kTokens; ++t) {
+                if (frequencies[t] > 0) symbols[c][t] = RansSymbol(start, frequencies[t]);
+                start += frequencies[t];
+            }
+        }
+        symbols[kSilent][0] = RansSymbol(0, kRansTotal);
+        return symbols;
+    }
+
+    /// Writes words downwards from `end`; returns where they begin.
+    template <std::size_t kStates>
+    std::uint16_t* encode_tokens(const Symbols& symbols, std::uint16_t* end) const {
+        std::array<std::uint32_t, kStates> state;
+        state.fill(kRansLow);
+        for (std::size_t k = size_; k > 0; k -= kBatch) {
+            const std::uint8_t* classes = classes_.data() + k - kBatch;
+            const std::uint8_t* tokens = tokens_.data() + k - kBatch;
+            for (std::size_t s = kBatch; s-- > 0;)
+                end = symbols[classes[s]][tokens[s]].encode(state[s % kStates], end);
+        }
+        for (std::size_t s = kStates; s-- > 0;) {
+            *--end = static_cast<std::uint16_t>(state[s] >> 16);
+            *--end = static_cast<std::uint16_t>(state[s]);
+        }
+        return end;
+    }
+
+    void put_rest(std::uint8_t token, std::int32_t quotient) {
+        const TokenRange range = kRanges[token];
+        const auto offset = static_cast<std::uint32_t>(std::abs(quotient) - range.first);
+        rest_.put(offset << 1 | (quotient < 0 ? 1U : 0U), range.bits);
+    }
+
+    Buffer<std::uint8_t> classes_;
+    Buffer<std::uint8_t> tokens_;
+    std::size_t size_ = 0;
+    BitWriter rest_;
+    Buffer<std::int32_t> quotients_;  ///< that are not 0
+    std::size_t nonzero_ = 0;
+};
+
+/// Each state more costs about three bytes, which is to be one percent of the chunk.
+int log_states_for(std::uint64_t bytes) {
+    return std::min(static_cast<int>(std::bit_width(bytes / 400)), 3);
+}
+
+Error damaged(const LatticeLevel& level) {
+    return {ErrorCode::BadFile, "the data of a level are damaged or cut off; fetch the file again",
+            "level " + std::to_string(level.level)};
+}
+
 class FastCodec final : public LevelCodec {
   public:
-    void encode(LatticeLevel& level, GridView<const std::int32_t> source,
+    bool encode(LatticeLevel& level, GridView<const std::int32_t> source,
                 std::vector<std::uint8_t>& out) override;
     Status decode(LatticeLevel& level, std::span<const std::uint8_t> bytes) override;
     std::unique_ptr<LevelCodec> descendant() const override {
@@ -307,10 +357,24 @@ class FastCodec final : public LevelCodec {
     }
 
   private:
+    /// A decoder of a chunk that is not empty; none: no encoder writes such a chunk.
+    static std::optional<TokenDecoder> open(std::span<const std::uint8_t> bytes, TokenModel& model);
+
     TokenModel model_;
 };
 
-void FastCodec::encode(LatticeLevel& level, GridView<const std::int32_t> source,
+std::optional<TokenDecoder> FastCodec::open(std::span<const std::uint8_t> bytes,
+                                            TokenModel& model) {
+    BitReader head(bytes);
+    if (!model.read(head)) return {};
+    const std::size_t states = std::size_t{1} << head.get(2);
+    const std::uint64_t count = head.get(static_cast<int>(head.get(5)));
+    const auto body = head.rest();
+    if (body.size() / 2 < count) return {};
+    return TokenDecoder(model, states, body.first(2 * count), body.subspan(2 * count));
+}
+
+bool FastCodec::encode(LatticeLevel& level, GridView<const std::int32_t> source,
                        std::vector<std::uint8_t>& out) {
     const RowRule rule(level.lowest, level.highest, level.step);
     TokenCollector collector(level);
@@ -321,8 +385,10 @@ void FastCodec::encode(LatticeLevel& level, GridView<const std::int32_t> source,
                      rule, buffers.quotients.data(), buffers.tokens.data());
         collector.add_row(row, buffers);
     });
-    if (collector.all_zero()) return;
+    if (collector.all_zero()) return true;
     const ClassCounts counts = collector.counts();
+    const std::size_t begin = out.size();
+    TokenModel known = model_;
     BitWriter head;
     model_.adapt(counts, head);
     const auto rest = collector.rest();
@@ -335,11 +401,15 @@ void FastCodec::encode(LatticeLevel& level, GridView<const std::int32_t> source,
     head.put(static_cast<std::uint32_t>(width), 5);
     head.put(count, width);
     out.insert(out.end(), head.bytes().begin(), head.bytes().end());
+    std::size_t at = out.size();
+    out.resize(at + 2 * words.size());
     for (const std::uint16_t word : words) {
-        out.push_back(static_cast<std::uint8_t>(word));
-        out.push_back(static_cast<std::uint8_t>(word >> 8));
+        store(word, out.data() + at);
+        at += 2;
     }
     out.insert(out.end(), rest.begin(), rest.end());
+    auto decoder = open(std::span(out).subspan(begin), known);
+    return decoder && known == model_ && collector.decodes_from(*decoder);
 }
 
 Status FastCodec::decode(LatticeLevel& level, std::span<const std::uint8_t> bytes) {
@@ -348,18 +418,13 @@ Status FastCodec::decode(LatticeLevel& level, std::span<const std::uint8_t> byte
         return {};
     }
     const RowRule rule(level.lowest, level.highest, level.step);
-    BitReader head(bytes);
     TokenModel model = model_;
-    if (!model.read(head)) return damaged(level);
-    const std::size_t states = std::size_t{1} << head.get(2);
-    const std::uint64_t count = head.get(static_cast<int>(head.get(5)));
-    const auto body = head.rest();
-    if (body.size() / 2 < count) return damaged(level);
-    TokenDecoder decoder(model, states, body.first(2 * count), body.subspan(2 * count));
+    auto decoder = open(bytes, model);
+    if (!decoder) return damaged(level);
     code_level(level, rule, [&](const SampleRow& row, RowBuffers& buffers) {
-        decoder.decode_row(row, buffers);
+        decoder->decode_row(row, buffers);
     });
-    if (!decoder.at_end()) return damaged(level);
+    if (!decoder->at_end()) return damaged(level);
     model_ = model;
     return {};
 }

@@ -4,6 +4,25 @@
 
 namespace relief::codec::fast {
 
+Neighbours diagonal_neighbours(const std::int32_t* far_north, const std::int32_t* north,
+                               const std::int32_t* south, const std::int32_t* far_south) {
+    Neighbours at{};
+    at.near = {north, south + 1, north + 1, south};
+    at.far = {north - 1, north + 2,     south - 1, south + 2,
+              far_north, far_north + 1, far_south, far_south + 1};
+    return at;
+}
+
+Neighbours edge_neighbours(const std::int32_t* north, const std::int32_t* south,
+                           const std::int32_t* far_north, const std::int32_t* row,
+                           const std::int32_t* far_south) {
+    Neighbours at{};
+    at.near = {north, south, row, row + 1};
+    at.far = {far_north, far_north + 1, far_south, far_south + 1,
+              north - 1, north + 1,     south - 1, south + 1};
+    return at;
+}
+
 SampleRows::SampleRows(LatticeLevel& level, const RowRule& rule)
     : level_(level),
       rule_(rule),
@@ -46,18 +65,13 @@ void SampleRows::load_diagonal_margins(std::int64_t i) {
 }
 
 SampleRow SampleRows::diagonal_row(std::int64_t i) {
-    const std::int32_t* far_north = even_.values(i - 1);
-    const std::int32_t* north = even_.values(i);
-    const std::int32_t* south = even_.values(i + 1);
-    const std::int32_t* far_south = even_.values(i + 2);
     const std::int16_t* q_north = even_.quotients(i);
     const std::int16_t* q_south = even_.quotients(i + 1);
     const std::int16_t* q_earlier = diagonal_.quotients(i - 1);
-    const Neighbours neighbours = {{north, south + 1, north + 1, south},
-                                   {north - 1, north + 2, south - 1, south + 2, far_north,
-                                    far_north + 1, far_south, far_south + 1},
-                                   {q_north, q_south + 1, q_north + 1, q_south},
-                                   {q_earlier, q_earlier + 1}};
+    Neighbours neighbours = diagonal_neighbours(even_.values(i - 1), even_.values(i),
+                                                even_.values(i + 1), even_.values(i + 2));
+    neighbours.near_quotients = {q_north, q_south + 1, q_north + 1, q_south};
+    neighbours.earlier_quotients = {q_earlier, q_earlier + 1};
     return {2 * i + 1, 1, diagonal_cols(), neighbours, diagonal_.values(i), diagonal_.quotients(i)};
 }
 
@@ -70,19 +84,14 @@ SampleRow SampleRows::edge_row(std::int64_t r) {
     Kind& across = odd ? even_ : diagonal_;
     const std::int64_t left = odd ? -1 : 0;
     const std::int64_t above = odd ? i : i - 1;
-    const std::int32_t* row = beside.values(i) + left;
-    const std::int32_t* north = across.values(above);
-    const std::int32_t* south = across.values(above + 1);
-    const std::int32_t* far_north = beside.values(i - 1) + left;
-    const std::int32_t* far_south = beside.values(i + 1) + left;
     const std::int16_t* q_row = beside.quotients(i) + left;
     const std::int16_t* q_earlier = edge_.quotients(r - 1) + left;
-    const Neighbours neighbours = {
-        {north, south, row, row + 1},
-        {far_north, far_north + 1, far_south, far_south + 1, north - 1, north + 1, south - 1,
-         south + 1},
-        {across.quotients(above), across.quotients(above + 1), q_row, q_row + 1},
-        {q_earlier, q_earlier + 1}};
+    Neighbours neighbours =
+        edge_neighbours(across.values(above), across.values(above + 1), beside.values(i - 1) + left,
+                        beside.values(i) + left, beside.values(i + 1) + left);
+    neighbours.near_quotients = {across.quotients(above), across.quotients(above + 1), q_row,
+                                 q_row + 1};
+    neighbours.earlier_quotients = {q_earlier, q_earlier + 1};
     const std::int64_t n = odd ? even_cols() : diagonal_cols();
     return {r, odd ? 0 : 1, n, neighbours, edge_.values(r), edge_.quotients(r)};
 }

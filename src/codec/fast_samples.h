@@ -8,6 +8,16 @@
 
 namespace relief::codec::fast {
 
+/// Where the values lie that predict D samples, of four rows of EE samples: element k of the inner
+/// two is to the west of sample k.
+Neighbours diagonal_neighbours(const std::int32_t* far_north, const std::int32_t* north,
+                               const std::int32_t* south, const std::int32_t* far_south);
+/// The same for E samples. Elements k of `north` and `south` are above and below sample k, elements
+/// k of `row` and of its like two rows up and down to its west.
+Neighbours edge_neighbours(const std::int32_t* north, const std::int32_t* south,
+                           const std::int32_t* far_north, const std::int32_t* row,
+                           const std::int32_t* far_south);
+
 /// A row of D or E samples of a level: columns col0, col0 + 2, .. of row r.
 struct SampleRow {
     std::int64_t r;

@@ -44,6 +44,8 @@ class TokenModel {
     /// Reads what adapt() wrote. False: no encoder writes that.
     [[nodiscard]] bool read(BitReader& bits);
 
+    friend bool operator==(const TokenModel&, const TokenModel&) = default;
+
   private:
     struct Plan;
     [[nodiscard]] Plan plan(const ClassCounts& counts) const;

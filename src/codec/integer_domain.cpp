@@ -64,19 +64,6 @@ double float_of_ordinal(double ordinal) {
     return std::bit_cast<float>(place < 0 ? ~place ^ INT32_MIN : place);
 }
 
-void IntegerDomain::integers(const double* samples, std::int64_t n, std::int32_t* out) const {
-    // Numbers from here on have no fraction: the addition rounds, faster than a call of nearbyint.
-    constexpr double no_fraction = kExact / 2;
-    const double top = highest;
-    for (std::int64_t k = 0; k < n; ++k) {
-        double v = (floats ? ordinal_of_float(static_cast<float>(samples[k])) : samples[k] / unit) -
-                   origin;
-        v = v > 0 ? v : 0;  // NaN too
-        v = v < top ? v : top;
-        out[k] = static_cast<std::int32_t>(v + no_fraction - no_fraction);
-    }
-}
-
 void SampleStatistics::add(double sample) {
     if (count++ == 0) {
         lowest = highest = sample;
@@ -119,13 +106,6 @@ std::optional<double> lattice_candidate(int k) {
     return kUnits[static_cast<std::size_t>(k)];
 }
 
-bool off_lattice(double sample, double unit, SampleType type, std::optional<double> nodata,
-                 double bound) {
-    const double value = stored_value(unit * std::nearbyint(sample / unit), type, nodata);
-    if (bound == 0) return value != sample || std::signbit(value) != std::signbit(sample);
-    return !(std::abs(value - sample) <= std::min(1.2e-7 * std::abs(sample), bound));
-}
-
 std::optional<IntegerDomain> make_domain(const SampleStatistics& s, SampleType type, double unit,
                                          double bound) {
     const double rounding = is_integer(type) ? 0 : spacing(largest_magnitude(s), type);
@@ -142,8 +122,7 @@ std::optional<IntegerDomain> make_domain(const SampleStatistics& s, SampleType t
             domain.step |= 1;
         }
     }
-    // Below the type's own steps exactness costs less.
-    domain.floats = !domain.lattice && bound <= rounding && type == SampleType::Float32;
+    domain.floats = !domain.lattice && bound == 0 && type == SampleType::Float32;
     if (domain.floats) {
         domain.unit = rounding;
     } else if (!domain.lattice) {

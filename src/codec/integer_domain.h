@@ -33,8 +33,6 @@ struct IntegerDomain {
     [[nodiscard]] double value(std::int32_t v) const {
         return floats ? float_of_ordinal(origin + v) : unit * (origin + v);
     }
-    /// out[k] = the v nearest to samples[k], ties to even, clamped to 0 .. highest; 0 for NaN.
-    void integers(const double* samples, std::int64_t n, std::int32_t* out) const;
 };
 
 /// What must be known of all valid samples of a component.
@@ -50,11 +48,6 @@ struct SampleStatistics {
 
 /// A lattice on which samples might lie: its unit, to be tried in this order. None: the end.
 [[nodiscard]] std::optional<double> lattice_candidate(int k);
-
-/// A sample that is not what the lattice of `unit` stores for it: it would need a repair.
-/// `bound`: 0 means that bits must agree.
-[[nodiscard]] bool off_lattice(double sample, double unit, SampleType type,
-                               std::optional<double> nodata, double bound);
 
 /// The domain for samples on a lattice (unit > 0) or on none (unit 0). None when 32-bit integers
 /// can not hold the samples at that resolution, or the bound is finer than the type's rounding

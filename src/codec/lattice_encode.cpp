@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
+#include <cstring>
 #include <limits>
-#include <mutex>
+#include <map>
+#include <optional>
 #include <string>
 
+#include "codec/sample_rows.h"
 #include "codec/tile_start.h"
 #include "relief/core/parallel.h"
 
@@ -19,6 +21,8 @@ constexpr double kLooseBits = 0.9;
 constexpr double kTightening = 1.1;
 /// Tiles that are encoded twice to choose.
 constexpr std::int64_t kTrialTiles = 4;
+/// Tiles that are encoded together, at least: threads that are done early wait for the others.
+constexpr std::int64_t kTilesPerThread = 4;
 
 Error cancelled() {
     return {ErrorCode::Cancelled, "encoding was cancelled", ""};
@@ -30,40 +34,59 @@ std::uint64_t size_of(const EncodedTile& tile) {
     return size;
 }
 
-/// The mask of a part of a strip; empty if it has no hole.
-Grid<std::uint8_t> cut_mask(const Raster& strip, const LatticeBox& box, std::int64_t stride) {
-    if (strip.mask.empty()) return {};
-    Grid<std::uint8_t> valid(box.rows, box.cols);
+/// The mask of samples; empty if it has no hole.
+Grid<std::uint8_t> mask_of(const RasterView& samples) {
+    if (!samples.mask.data) return {};
+    Grid<std::uint8_t> valid(samples.rows, samples.cols);
     bool holes = false;
-    for (std::int64_t r = 0; r < box.rows; ++r) {
-        const std::uint8_t* from = strip.mask.row((box.row0 + r) * stride) + box.col0 * stride;
-        for (std::int64_t c = 0; c < box.cols; ++c) {
-            valid(r, c) = from[c * stride] != 0;
-            holes |= from[c * stride] == 0;
-        }
+    for (std::int64_t r = 0; r < valid.rows(); ++r) {
+        const std::uint8_t* from = samples.mask.row(r);
+        std::transform(from, from + valid.cols(), valid.row(r),
+                       [](std::uint8_t v) { return static_cast<std::uint8_t>(v != 0); });
+        holes = holes || std::memchr(valid.row(r), 0, static_cast<std::size_t>(valid.cols()));
     }
     return holes ? std::move(valid) : Grid<std::uint8_t>();
 }
 
-/// A part of a strip of samples as integers.
-TileSamples cut(const LatticeCoding& coding, const Raster& strip, const LatticeBox& box,
-                std::int64_t stride) {
+/// Samples with their integers.
+TileSamples converted(const LatticeCoding& coding, const RasterView& part) {
     TileSamples samples;
-    samples.valid = cut_mask(strip, box, stride);
+    samples.valid = mask_of(part);
+    samples.originals = part.planes;
     for (std::size_t p = 0; p < coding.domains.size(); ++p) {
-        const IntegerDomain& domain = coding.domains[p];
-        Grid<double> originals(box.rows, box.cols);
-        Grid<std::int32_t> values(box.rows, box.cols);
-        for (std::int64_t r = 0; r < box.rows; ++r) {
-            const double* from = strip.planes[p].row((box.row0 + r) * stride) + box.col0 * stride;
-            double* original = originals.row(r);
-            for (std::int64_t c = 0; c < box.cols; ++c) original[c] = from[c * stride];
-            domain.integers(original, box.cols, values.row(r));
-        }
-        samples.originals.push_back(std::move(originals));
+        Grid<std::int32_t> values(part.rows, part.cols);
+        for (std::int64_t r = 0; r < part.rows; ++r)
+            integer_row(part.planes[p].row(r), part.cols, coding.domains[p], values.row(r));
         samples.values.push_back(std::move(values));
     }
     return samples;
+}
+
+/// A part of a view.
+RasterView part_of(const RasterView& view, const LatticeBox& box) {
+    RasterView part{.rows = box.rows, .cols = box.cols};
+    for (const GridView<const double>& plane : view.planes)
+        part.planes.emplace_back(plane.row(box.row0) + box.col0, box.rows, box.cols, plane.stride);
+    if (view.mask.data)
+        part.mask = {view.mask.row(box.row0) + box.col0, box.rows, box.cols, view.mask.stride};
+    return part;
+}
+
+/// Every 8th sample of both axes.
+Raster thinned(const Raster& raster) {
+    constexpr std::int64_t step = std::int64_t{1} << TileTree::kTierLevels;
+    Raster coarse;
+    coarse.rows = level_size(raster.rows, TileTree::kTierLevels);
+    coarse.cols = level_size(raster.cols, TileTree::kTierLevels);
+    const auto pick = [&]<class T>(const Grid<T>& from) {
+        Grid<T> to(coarse.rows, coarse.cols);
+        for (std::int64_t r = 0; r < to.rows(); ++r)
+            for (std::int64_t c = 0; c < to.cols(); ++c) to(r, c) = from(r * step, c * step);
+        return to;
+    };
+    for (const Grid<double>& plane : raster.planes) coarse.planes.push_back(pick(plane));
+    if (!raster.mask.empty()) coarse.mask = pick(raster.mask);
+    return coarse;
 }
 
 /// The tiers above the finest, encoded: their lattices as decoded, and what their coders learnt.
@@ -88,6 +111,7 @@ class Encoder {
           spool_(spool),
           tree_(about_.rows, about_.cols) {
         result_.coding = std::move(coding);
+        for (int k = 2; k < tree_.tiers(); ++k) coarser_.push_back(thinned(lattice(k - 1)));
     }
 
     Result<LatticeEncoding> run() {
@@ -109,6 +133,11 @@ class Encoder {
   private:
     using Tiles = std::vector<std::vector<SpooledChunk>>;  ///< [tile][chunk of the tile]
 
+    /// The samples of tier k > 0.
+    [[nodiscard]] const Raster& lattice(int k) const {
+        return k == 1 ? survey_.coarse : coarser_[static_cast<std::size_t>(k - 2)];
+    }
+
     [[nodiscard]] TileState start(const LatticeCoding& coding, const CoarseTiers& coarse, int tier,
                                   std::int64_t tile) const {
         if (tier == tree_.tiers() - 1) return top_state(coding);
@@ -125,10 +154,8 @@ class Encoder {
 
     Result<EncodedTile> encode(const LatticeCoding& coding, const CoarseTiers& coarse, int tier,
                                std::int64_t tile, const TileSamples& samples, TileCare care) const {
-        return encode_tile(
-            coding, tree_, tier, tile, samples, start(coding, coarse, tier, tile),
-            care == TileCare::Trial ? TileState() : start(coding, coarse, tier, tile),
-            options_.bound, care);
+        return encode_tile(coding, tree_, tier, tile, samples, start(coding, coarse, tier, tile),
+                           options_.bound, care);
     }
 
     Result<CoarseTiers> encode_coarse(const LatticeCoding& coding) const {
@@ -156,8 +183,7 @@ class Encoder {
     Status encode_coarse_tile(const LatticeCoding& coding, CoarseTiers& coarse, int k,
                               std::int64_t number) const {
         const LatticeBox box = tree_.box(k, number);
-        const std::int64_t stride = std::int64_t{1} << (TileTree::kTierLevels * (k - 1));
-        const TileSamples samples = cut(coding, survey_.coarse, box, stride);
+        const TileSamples samples = converted(coding, view_of(lattice(k), box));
         RELIEF_TRY(EncodedTile tile,
                    encode(coding, coarse, k, number, samples, TileCare::Verified));
         CoarseTiers::Tier& tier = coarse.tiers[static_cast<std::size_t>(k - 1)];
@@ -170,85 +196,99 @@ class Encoder {
         return {};
     }
 
-    /// Samples of one tile, read on their own.
-    Result<TileSamples> read_tile(const LatticeCoding& coding, std::int64_t tile) const {
-        const LatticeBox box = tree_.box(0, tile);
-        RELIEF_TRY(const Raster strip, source_.read(box));
-        return cut(coding, strip, {0, 0, box.rows, box.cols}, 1);
-    }
-
-    /// Encodes a few tiles to see whether finer steps on coarse levels make the file smaller.
+    /// Encodes a few tiles to see whether finer steps on coarse levels make the file smaller; they
+    /// are kept as they are part of the file.
     Status choose_tightening() {
         LatticeCoding& coding = result_.coding;
         coding.tightening = 1;
         RELIEF_TRY(coarse_, encode_coarse(coding));
-        const std::int64_t tiles = tree_.tier(0).tiles();
-        const std::int64_t trials = std::min(kTrialTiles, tiles);
         const bool lossless_steps =
             std::all_of(coding.domains.begin(), coding.domains.end(),
                         [](const IntegerDomain& domain) { return domain.step == 1; });
         if (lossless_steps) return {};
-        std::vector<TileSamples> samples;
+        const std::int64_t tiles = tree_.tier(0).tiles();
+        const std::int64_t trials = std::min(kTrialTiles, tiles);
+        std::vector<Trial> plain(static_cast<std::size_t>(trials));
         std::int64_t count = 0;
         for (std::int64_t k = 0; k < trials; ++k) {
-            RELIEF_TRY(samples.emplace_back(), read_tile(coding, trial_tile(k, trials, tiles)));
-            const TileSamples& last = samples.back();
-            std::int64_t valid = last.values[0].count();
-            if (!last.valid.empty()) {
-                valid = 0;
-                for (std::int64_t r = 0; r < last.valid.rows(); ++r)
-                    valid +=
-                        std::count(last.valid.row(r), last.valid.row(r) + last.valid.cols(), 1);
-            }
-            count += valid * static_cast<std::int64_t>(coding.domains.size());
+            Trial& trial = plain[static_cast<std::size_t>(k)];
+            trial.number = (2 * k + 1) * tiles / (2 * trials);
+            RELIEF_TRY(trial.samples, source_.view(tree_.box(0, trial.number), trial.room));
+            count += trial.samples.valid_count() * static_cast<std::int64_t>(coding.domains.size());
         }
         const double tight = kLooseBits / 8 * static_cast<double>(count);
-        RELIEF_TRY(const double plain, trial_size(coding, coarse_, samples, tiles, tight));
-        if (plain >= tight) return {};
+        RELIEF_TRY(const double plain_size, encode_trials(coding, coarse_, plain, tight));
+        if (plain_size >= tight) {
+            keep(plain);
+            return {};
+        }
         LatticeCoding tightened = coding;
         tightened.tightening = kTightening;
         RELIEF_TRY(CoarseTiers finer, encode_coarse(tightened));
-        RELIEF_TRY(double size, trial_size(tightened, finer, samples, tiles,
-                                           std::numeric_limits<double>::infinity()));
+        std::vector<Trial> fine(plain.size());
+        for (std::size_t k = 0; k < plain.size(); ++k)
+            fine[k] = {plain[k].number, std::move(plain[k].room), plain[k].samples, {}};
+        RELIEF_TRY(double size,
+                   encode_trials(tightened, finer, fine, std::numeric_limits<double>::infinity()));
         // Coarse tiers weigh as much as they do in the whole file.
         const double share = static_cast<double>(trials) / static_cast<double>(tiles);
         size += share * static_cast<double>(finer.size);
-        if (size > 1.002 * (plain + share * static_cast<double>(coarse_.size))) return {};
+        const bool pays = size <= 1.002 * (plain_size + share * static_cast<double>(coarse_.size));
+        keep(pays ? fine : plain);
+        if (!pays) return {};
         coding.tightening = kTightening;
         coarse_ = std::move(finer);
         return {};
     }
 
-    static std::int64_t trial_tile(std::int64_t k, std::int64_t trials, std::int64_t tiles) {
-        return (2 * k + 1) * tiles / (2 * trials);
-    }
+    /// A tile that is encoded before the others.
+    struct Trial {
+        std::int64_t number = 0;
+        Raster room;
+        RasterView samples;
+        std::optional<EncodedTile> tile;
+    };
 
     /// The size of the trial tiles; where it reaches `enough`, perhaps of some of them only.
-    Result<double> trial_size(const LatticeCoding& coding, const CoarseTiers& coarse,
-                              const std::vector<TileSamples>& samples, std::int64_t tiles,
-                              double enough) const {
-        const auto trials = static_cast<std::int64_t>(samples.size());
-        std::vector<Status> failed(samples.size());
+    Result<double> encode_trials(const LatticeCoding& coding, const CoarseTiers& coarse,
+                                 std::vector<Trial>& trials, double enough) const {
+        std::vector<Status> failed(trials.size());
         std::atomic<std::uint64_t> size = 0;
-        parallel_for(0, trials, 1, [&](std::int64_t k, std::int64_t) {
-            if (static_cast<double>(size) >= enough) return;
-            const auto at = static_cast<std::size_t>(k);
-            auto tile = encode(coding, coarse, 0, trial_tile(k, trials, tiles), samples[at],
-                               TileCare::Trial);
-            if (tile.ok())
+        parallel_for(
+            0, static_cast<std::int64_t>(trials.size()), 1, [&](std::int64_t k, std::int64_t) {
+                if (static_cast<double>(size) >= enough) return;
+                Trial& trial = trials[static_cast<std::size_t>(k)];
+                auto tile = encode_finest_tile(coding, coarse, trial.number, trial.samples);
+                if (!tile.ok()) {
+                    failed[static_cast<std::size_t>(k)] = tile.error();
+                    return;
+                }
                 size += size_of(*tile);
-            else
-                failed[at] = tile.error();
-        });
+                trial.tile = *std::move(tile);
+            });
         for (const Status& status : failed) RELIEF_CHECK(status);
         return static_cast<double>(size);
+    }
+
+    void keep(std::vector<Trial>& trials) {
+        for (Trial& trial : trials)
+            if (trial.tile) kept_.emplace(trial.number, *std::move(trial.tile));
+    }
+
+    Result<EncodedTile> encode_finest_tile(const LatticeCoding& coding, const CoarseTiers& coarse,
+                                           std::int64_t number, const RasterView& samples) const {
+        RELIEF_TRY(EncodedTile tile,
+                   encode(coding, coarse, 0, number, converted(coding, samples),
+                          options_.measure_coarse ? TileCare::Measured : TileCare::Verified));
+        tile.state = {};
+        return tile;
     }
 
     /// Rows of tiles, as many at a time as give every thread work.
     Status encode_finest() {
         const TileTree::Tier& tier = tree_.tier(0);
-        const std::int64_t together =
-            std::max<std::int64_t>(1, (2 * thread_count() + tier.tile_cols - 1) / tier.tile_cols);
+        const std::int64_t together = std::max<std::int64_t>(
+            1, (kTilesPerThread * thread_count() + tier.tile_cols - 1) / tier.tile_cols);
         for (std::int64_t row = 0; row < tier.tile_rows; row += together) {
             const std::int64_t rows = std::min(together, tier.tile_rows - row);
             RELIEF_CHECK(encode_rows(row, rows));
@@ -267,19 +307,23 @@ class Encoder {
         const LatticeBox top = tree_.box(0, first);
         const LatticeBox bottom = tree_.box(0, first + count - 1);
         const LatticeBox strip_box{top.row0, 0, bottom.row0 + bottom.rows - top.row0, about_.cols};
-        RELIEF_TRY(const Raster strip, source_.read(strip_box));
+        Raster room;
+        RELIEF_TRY(const RasterView strip, source_.view(strip_box, room));
         std::vector<Status> failed(static_cast<std::size_t>(count));
         std::vector<EncodedTile> tiles(static_cast<std::size_t>(count));
         parallel_for(0, count, 1, [&](std::int64_t k, std::int64_t) {
+            const auto at = static_cast<std::size_t>(k);
+            if (const auto kept = kept_.find(first + k); kept != kept_.end()) {
+                tiles[at] = std::move(kept->second);
+                return;
+            }
             LatticeBox box = tree_.box(0, first + k);
             box.row0 -= strip_box.row0;
-            auto tile =
-                encode(result_.coding, coarse_, 0, first + k, cut(result_.coding, strip, box, 1),
-                       options_.measure_coarse ? TileCare::Measured : TileCare::Verified);
+            auto tile = encode_finest_tile(result_.coding, coarse_, first + k, part_of(strip, box));
             if (tile.ok())
-                tiles[static_cast<std::size_t>(k)] = *std::move(tile);
+                tiles[at] = *std::move(tile);
             else
-                failed[static_cast<std::size_t>(k)] = tile.error();
+                failed[at] = tile.error();
         });
         result_.coarse_energy += coarse_energy(strip, strip_box.row0, survey_, about_);
         for (std::int64_t k = 0; k < count; ++k) {
@@ -342,8 +386,10 @@ class Encoder {
     const LatticeOptions& options_;
     Spool& spool_;
     TileTree tree_;
+    std::vector<Raster> coarser_;  ///< samples of tiers 2 ..
     CoarseTiers coarse_;
-    std::vector<Tiles> spooled_;  ///< [tier]
+    std::map<std::int64_t, EncodedTile> kept_;  ///< finest tiles that trials have encoded
+    std::vector<Tiles> spooled_;                ///< [tier]
     LatticeEncoding result_;
 };
 

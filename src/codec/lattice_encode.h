@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "codec/spooled_file.h"
 #include "codec/tile_codec.h"
 #include "relief/codec/container.h"
 #include "relief/core/stream.h"
@@ -17,15 +18,9 @@ struct LatticeOptions {
     Progress progress = {};
 };
 
-/// A chunk on the spool, in the order of the file.
-struct SpooledChunk {
-    std::uint64_t place = 0;
-    ChunkInfo info;
-};
-
 struct LatticeEncoding {
     LatticeCoding coding;
-    std::vector<SpooledChunk> chunks;
+    std::vector<SpooledChunk> chunks;  ///< in the order of the file
     std::int64_t samples = 0;  ///< valid ones
     std::int64_t nonzero = 0;
     std::int64_t repairs = 0;
@@ -52,7 +47,7 @@ struct Survey {
 
 /// Sum of squares of the valid samples of a strip, rows row0 .. of a raster like `about`, less the
 /// bilinear surface through the raster's coarsest lattice.
-[[nodiscard]] double coarse_energy(const Raster& strip, std::int64_t row0, const Survey& survey,
+[[nodiscard]] double coarse_energy(const RasterView& strip, std::int64_t row0, const Survey& survey,
                                    const Raster& about);
 
 /// Whether the samples fit the closed loop's integers at this bound; sets the domains. Reads the

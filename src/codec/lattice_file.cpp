@@ -21,13 +21,6 @@ LatticeBox in_level(const LatticeBox& box, int shift) {
             level_size(box.col0 + box.cols, shift) - col0};
 }
 
-LatticeBox common(const LatticeBox& a, const LatticeBox& b) {
-    const std::int64_t row0 = std::max(a.row0, b.row0);
-    const std::int64_t col0 = std::max(a.col0, b.col0);
-    return {row0, col0, std::min(a.row0 + a.rows, b.row0 + b.rows) - row0,
-            std::min(a.col0 + a.cols, b.col0 + b.cols) - col0};
-}
-
 }  // namespace
 
 LatticeChunks::LatticeChunks(const TileTree& tree, std::size_t first) : tree_(tree) {
@@ -110,7 +103,7 @@ Result<TileState> LatticeFile::start(int tier, std::int64_t number, Tile& about)
                            GridView<std::int32_t> out) {
         for (const auto& [tile, decoded] : around) {
             const LatticeBox inside = tree_.box(tier + 1, tile);
-            const LatticeBox part = common(inside, wanted);
+            const LatticeBox part = intersection(inside, wanted);
             for (std::int64_t r = 0; r < part.rows; ++r)
                 if (part.cols > 0)
                     std::copy_n(
@@ -234,7 +227,7 @@ void LatticeFile::copy_tile(const Tile& tile, int tier, std::int64_t number, int
     const int shift = level - TileTree::kTierLevels * tier;
     const LatticeBox box = tree_.box(tier, number);
     const LatticeBox have = in_level(box, shift);
-    const LatticeBox part = common(have, window);
+    const LatticeBox part = intersection(have, window);
     if (part.rows <= 0 || part.cols <= 0) return;
     const std::int64_t step = std::int64_t{1} << (level - tile.state.levels[0].level);
     for (std::size_t p = 0; p < out.planes.size(); ++p) {
@@ -243,10 +236,10 @@ void LatticeFile::copy_tile(const Tile& tile, int tier, std::int64_t number, int
         for (std::int64_t r = 0; r < part.rows; ++r) {
             const std::int32_t* row = from.values.row((part.row0 - have.row0 + r) * step) +
                                       (part.col0 - have.col0) * step;
-            for (std::int64_t c = 0; c < part.cols; ++c)
+            for (std::int64_t c = 0; c < part.cols && step > 1; ++c)
                 picked[static_cast<std::size_t>(c)] = row[c * step];
             coding_.stored(
-                p, picked.data(), part.cols,
+                p, step > 1 ? picked.data() : row, part.cols,
                 out.planes[p].row(part.row0 - window.row0 + r) + (part.col0 - window.col0));
         }
     }
@@ -258,16 +251,24 @@ void LatticeFile::copy_tile(const Tile& tile, int tier, std::int64_t number, int
             out.planes[repair.component](row - window.row0, col - window.col0) = repair.value;
     }
     if (tile.valid.empty()) return;
-    for (std::int64_t r = 0; r < part.rows; ++r)
-        for (std::int64_t c = 0; c < part.cols; ++c) {
-            if (tile.valid((part.row0 - have.row0 + r) << shift, (part.col0 - have.col0 + c)
-                                                                     << shift))
-                continue;
-            out.mask(part.row0 - window.row0 + r, part.col0 - window.col0 + c) = 0;
-            for (Grid<double>& plane : out.planes)
-                plane(part.row0 - window.row0 + r, part.col0 - window.col0 + c) =
-                    std::numeric_limits<double>::quiet_NaN();
-        }
+    for (Grid<double>& plane : out.planes)
+        visit_holes(tile.valid, tier, number, level, window, [&](std::int64_t r, std::int64_t c) {
+            plane(r, c) = std::numeric_limits<double>::quiet_NaN();
+        });
+}
+
+template <class Visit>
+void LatticeFile::visit_holes(const Grid<std::uint8_t>& valid, int tier, std::int64_t number,
+                              int level, const LatticeBox& window, Visit visit) const {
+    const int shift = level - TileTree::kTierLevels * tier;
+    const LatticeBox have = in_level(tree_.box(tier, number), shift);
+    const LatticeBox part = intersection(have, window);
+    for (std::int64_t r = 0; r < part.rows; ++r) {
+        const std::uint8_t* row =
+            valid.row((part.row0 - have.row0 + r) << shift) + ((part.col0 - have.col0) << shift);
+        for (std::int64_t c = 0; c < part.cols; ++c)
+            if (!row[c << shift]) visit(part.row0 - window.row0 + r, part.col0 - window.col0 + c);
+    }
 }
 
 Result<LatticeWindow> LatticeFile::read(int level, const LatticeBox& window,
@@ -277,15 +278,16 @@ Result<LatticeWindow> LatticeFile::read(int level, const LatticeBox& window,
     LatticeWindow out;
     for (std::size_t p = 0; p < coding_.domains.size(); ++p)
         out.planes.emplace_back(window.rows, window.cols);
-    out.mask = Grid<std::uint8_t>(window.rows, window.cols, 1);
     const LatticeBox samples{window.row0 << shift, window.col0 << shift,
                              ((window.rows - 1) << shift) + 1, ((window.cols - 1) << shift) + 1};
     const LatticeBox met = tree_.tiles_meeting(tier, samples);
-    const std::int64_t across = tree_.tier(tier).tile_cols;
+    const auto tile_number = [&, across = tree_.tier(tier).tile_cols](std::int64_t k) {
+        return (met.row0 + k / met.cols) * across + met.col0 + k % met.cols;
+    };
     std::vector<Status> failed(static_cast<std::size_t>(met.count()));
     std::vector<Tile> abouts(failed.size());
     parallel_for(0, met.count(), 1, [&](std::int64_t k, std::int64_t) {
-        const std::int64_t number = (met.row0 + k / met.cols) * across + met.col0 + k % met.cols;
+        const std::int64_t number = tile_number(k);
         Result<Tile> tile = decode(tier, number, level);
         const auto at = static_cast<std::size_t>(k);
         if (!tile.ok()) {
@@ -297,22 +299,27 @@ Result<LatticeWindow> LatticeFile::read(int level, const LatticeBox& window,
         tile->state = {};
         abouts[at] = *std::move(tile);
     });
-    bool holes = false;
     for (std::size_t k = 0; k < failed.size(); ++k) {
         RELIEF_CHECK(failed[k]);
         const Tile& about = abouts[k];
         out.known_level = std::max(out.known_level, about.known_level);
         out.bound = std::max(out.bound, about.bound);
-        holes = holes || !about.valid.empty();
+        const std::int64_t number = tile_number(static_cast<std::int64_t>(k));
         if (!about.damaged) continue;
-        const auto i = static_cast<std::int64_t>(k);
-        LatticeBox box =
-            tree_.box(tier, (met.row0 + i / met.cols) * across + met.col0 + i % met.cols);
+        const LatticeBox box = tree_.box(tier, number);
         const int bits = TileTree::kTierLevels * tier;
         out.damaged.push_back(
             {box.row0 << bits, box.col0 << bits, box.rows << bits, box.cols << bits});
     }
-    if (!holes) out.mask = {};
+    const auto has_holes = [](const Tile& about) { return !about.valid.empty(); };
+    if (std::none_of(abouts.begin(), abouts.end(), has_holes)) return out;
+    out.mask = Grid<std::uint8_t>(window.rows, window.cols, 1);
+    parallel_for(0, met.count(), 1, [&](std::int64_t k, std::int64_t) {
+        const Tile& about = abouts[static_cast<std::size_t>(k)];
+        if (!has_holes(about)) return;
+        visit_holes(about.valid, tier, tile_number(k), level, window,
+                    [&](std::int64_t r, std::int64_t c) { out.mask(r, c) = 0; });
+    });
     return out;
 }
 

@@ -99,6 +99,11 @@ class LatticeFile {
     void copy_tile(const Tile& tile, int tier, std::int64_t number, int level,
                    const LatticeBox& window, LatticeWindow& out) const;
 
+    /// Calls visit(r, c) for the holes of a tile of `tier` in a window of the level's lattice.
+    template <class Visit>
+    void visit_holes(const Grid<std::uint8_t>& valid, int tier, std::int64_t number, int level,
+                     const LatticeBox& window, Visit visit) const;
+
     const ContainerReader& container_;
     TileTree tree_;
     LatticeChunks chunks_;

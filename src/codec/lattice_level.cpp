@@ -64,24 +64,24 @@ void visit_margins(const LatticeLevel& level, std::int64_t reach, Visit visit) {
     }
 }
 
-std::int32_t mean(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) {
-    return static_cast<std::int32_t>((std::int64_t{a} + b + c + d + 2) >> 2);
-}
-
 }  // namespace
 
+void reflect_borders(LatticeLevel& level) {
+    const Reflection reflected(level);
+    reflect_columns(level, reflected);
+    reflect_rows(level, reflected);
+}
+
 LatticeLevel refine(LatticeLevel& coarse, std::int64_t rows, std::int64_t cols) {
-    const Reflection reflected(coarse);
-    reflect_columns(coarse, reflected);
-    reflect_rows(coarse, reflected);
+    reflect_borders(coarse);
     LatticeLevel fine;
     fine.level = coarse.level - 1;
     fine.borders = coarse.borders;
     fine.lowest = coarse.lowest;
     fine.highest = coarse.highest;
-    fine.values = Values(rows, cols);
-    fine.quotients = MarginGrid<std::int16_t>(rows, cols);
-    fine.valid = MarginGrid<std::uint8_t>(rows, cols);
+    fine.values = Values::uninitialised(rows, cols);
+    fine.quotients = MarginGrid<std::int16_t>::uninitialised(rows, cols);
+    fine.valid = MarginGrid<std::uint8_t>::uninitialised(rows, cols);
     constexpr std::int64_t margin = Values::kMargin;
     for (std::int64_t r = -margin; r < rows + margin; r += 2) {
         std::int32_t* to = fine.values.row(r);
@@ -100,14 +100,15 @@ void fill_diagonal_margins(LatticeLevel& level) {
     Values& v = level.values;
     visit_margins(level, kReach, [&](std::int64_t r, std::int64_t c) {
         if ((r & 1) && (c & 1))
-            v(r, c) = mean(v(r - 1, c - 1), v(r - 1, c + 1), v(r + 1, c - 1), v(r + 1, c + 1));
+            v(r, c) =
+                margin_mean(v(r - 1, c - 1), v(r - 1, c + 1), v(r + 1, c - 1), v(r + 1, c + 1));
     });
 }
 
 void fill_edge_margins(LatticeLevel& level) {
     Values& v = level.values;
     visit_margins(level, kReach - 1, [&](std::int64_t r, std::int64_t c) {
-        if ((r + c) & 1) v(r, c) = mean(v(r - 1, c), v(r + 1, c), v(r, c - 1), v(r, c + 1));
+        if ((r + c) & 1) v(r, c) = margin_mean(v(r - 1, c), v(r + 1, c), v(r, c - 1), v(r, c + 1));
     });
 }
 

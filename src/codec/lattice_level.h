@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -14,15 +15,28 @@
 namespace relief::codec {
 
 /// A grid with kMargin cells on every side, and room behind each row for vector loads to run over.
-/// Zero at first.
 template <class T>
 class MarginGrid {
   public:
     static constexpr std::int64_t kMargin = 4;
 
     MarginGrid() = default;
+    /// All zero.
     MarginGrid(std::int64_t rows, std::int64_t cols)
         : cells_(rows + 2 * kMargin, cols + 2 * kMargin + kSlack, T{}), rows_(rows), cols_(cols) {}
+    /// Zero margins around cells that are NOT initialised.
+    [[nodiscard]] static MarginGrid uninitialised(std::int64_t rows, std::int64_t cols) {
+        MarginGrid grid;
+        grid.cells_ = Grid<T>(rows + 2 * kMargin, cols + 2 * kMargin + kSlack);
+        grid.rows_ = rows;
+        grid.cols_ = cols;
+        const std::int64_t stride = grid.stride();
+        std::fill_n(grid.cells_.row(0), kMargin * stride + kMargin, T{});
+        for (std::int64_t r = 0; r < rows; ++r)  // behind one row and before the next
+            std::fill_n(grid.row(r) + cols, stride - cols, T{});
+        std::fill_n(grid.row(rows), kMargin * stride - kMargin, T{});
+        return grid;
+    }
 
     [[nodiscard]] std::int64_t rows() const { return rows_; }
     [[nodiscard]] std::int64_t cols() const { return cols_; }
@@ -69,11 +83,21 @@ struct LatticeLevel {
     [[nodiscard]] std::int64_t cols() const { return values.cols(); }
 };
 
+/// Makes the margins on raster borders, to 3 cells out, of a level that is decoded.
+void reflect_borders(LatticeLevel& level);
+
 /// The next finer level, rows x cols = at most twice the coarse one: EE samples and quotients
-/// copied, EE margins filled. Mask and step are left for the caller. `coarse` must be decoded; its
-/// margins on raster borders are made here, those on other sides must be there (refine and
-/// fill_edge_margins make them). Requires: coarse.rows() = ceil(rows / 2), and so for columns.
+/// copied, EE margins filled, all other samples and the mask NOT initialised. Mask and step are
+/// left for the caller. `coarse` must be decoded; its margins on raster borders are made here,
+/// those on other sides must be there (refine and fill_edge_margins make them). Requires:
+/// coarse.rows() = ceil(rows / 2), and so for columns.
 [[nodiscard]] LatticeLevel refine(LatticeLevel& coarse, std::int64_t rows, std::int64_t cols);
+
+/// What a point of a margin is, of its four nearest neighbours.
+[[nodiscard]] inline std::int32_t margin_mean(std::int32_t a, std::int32_t b, std::int32_t c,
+                                              std::int32_t d) {
+    return static_cast<std::int32_t>((std::int64_t{a} + b + c + d + 2) >> 2);
+}
 
 /// After the D samples are decoded: the D points of the margins, to 3 cells out, as means of their
 /// diagonal neighbours.
@@ -93,12 +117,13 @@ class LevelCodec {
     virtual ~LevelCodec() = default;
 
     /// Appends the D and E samples of `level` to `out`. `source`: the level's samples; holes may
-    /// hold anything. |source| < 2^29, between lowest and highest where valid.
-    virtual void encode(LatticeLevel& level, GridView<const std::int32_t> source,
-                        std::vector<std::uint8_t>& out) = 0;
+    /// hold anything. |source| < 2^29, between lowest and highest where valid. Returns whether the
+    /// bytes, decoded again, give the symbols of which the values of `level` are made.
+    [[nodiscard]] virtual bool encode(LatticeLevel& level, GridView<const std::int32_t> source,
+                                      std::vector<std::uint8_t>& out) = 0;
 
-    /// Errors: BadFile for bytes that no encoder writes. Never reads past `bytes`; the values of a
-    /// damaged level are finite nonsense.
+    /// Errors: BadFile for bytes that no encoder writes; the level is of no use then. Never reads
+    /// past `bytes`.
     [[nodiscard]] virtual Status decode(LatticeLevel& level,
                                         std::span<const std::uint8_t> bytes) = 0;
 

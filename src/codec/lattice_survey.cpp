@@ -4,9 +4,11 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <numeric>
 #include <string>
 
 #include "codec/lattice_encode.h"
+#include "codec/sample_rows.h"
 #include "relief/core/parallel.h"
 
 namespace relief::codec {
@@ -20,37 +22,57 @@ LatticeBox strip_box(const Raster& about, std::int64_t row) {
     return {row, 0, std::min(kStrip, about.rows - row), about.cols};
 }
 
-bool is_valid(const Raster& strip, std::int64_t r, std::int64_t c) {
-    return strip.mask.empty() || strip.mask(r, c) != 0;
-}
-
 /// Statistics of the rows of a strip, and the first sample that is not a finite number.
 struct RowSurvey {
     std::vector<SampleStatistics> components;
     std::int64_t bad_column = -1;
 };
 
-RowSurvey survey_row(const Raster& strip, std::int64_t r) {
+/// The first valid sample that equals `value`, which is one of them: zeros differ in their sign.
+double first_equal(const double* samples, const std::uint8_t* valid, double value) {
+    if (value != 0) return value;
+    std::int64_t c = 0;
+    while (samples[c] != 0 || (valid && !valid[c])) ++c;
+    return samples[c];
+}
+
+/// As if the samples were added one by one.
+SampleStatistics statistics_of(const double* samples, const std::uint8_t* valid, std::int64_t n,
+                               const RowRange& range) {
+    SampleStatistics statistics;
+    for (std::int64_t c = 0; c < n && statistics.step != 1; ++c)
+        if (!valid || valid[c]) statistics.add(samples[c]);
+    statistics.count = valid ? n - std::count(valid, valid + n, std::uint8_t{0}) : n;
+    if (statistics.count == 0) return statistics;
+    statistics.lowest = first_equal(samples, valid, range.lowest);
+    statistics.highest = first_equal(samples, valid, range.highest);
+    return statistics;
+}
+
+RowSurvey survey_row(const RasterView& strip, std::int64_t r) {
     RowSurvey row;
-    for (const Grid<double>& plane : strip.planes) {
-        SampleStatistics& statistics = row.components.emplace_back();
-        for (std::int64_t c = 0; c < strip.cols; ++c) {
-            if (!is_valid(strip, r, c)) continue;
-            if (!std::isfinite(plane(r, c))) row.bad_column = c;
-            statistics.add(plane(r, c));
+    const std::uint8_t* valid = strip.valid_row(r);
+    for (const GridView<const double>& plane : strip.planes) {
+        const RowRange range = range_of_row(plane.row(r), valid, strip.cols);
+        if (range.finite) {
+            row.components.push_back(statistics_of(plane.row(r), valid, strip.cols, range));
+            continue;
         }
+        row.components.emplace_back();
+        for (std::int64_t c = 0; c < strip.cols; ++c)
+            if (strip.valid(r, c) && !std::isfinite(plane(r, c))) row.bad_column = c;
     }
     return row;
 }
 
-void keep_coarse(const Raster& strip, std::int64_t row0, Raster& coarse) {
+void keep_coarse(const RasterView& strip, std::int64_t row0, Raster& coarse) {
     for (std::int64_t r = 0; r < strip.rows; r += kCoarse) {
         const std::int64_t to = (row0 + r) / kCoarse;
         for (std::size_t p = 0; p < strip.planes.size(); ++p)
             for (std::int64_t c = 0; c < coarse.cols; ++c)
                 coarse.planes[p](to, c) = strip.planes[p](r, c * kCoarse);
         for (std::int64_t c = 0; c < coarse.cols; ++c)
-            coarse.mask(to, c) = is_valid(strip, r, c * kCoarse);
+            coarse.mask(to, c) = strip.valid(r, c * kCoarse);
     }
 }
 
@@ -58,36 +80,30 @@ Status cancelled() {
     return Error{ErrorCode::Cancelled, "encoding was cancelled", ""};
 }
 
-/// How many valid samples are off the lattice, of how many, one component.
-struct Misfits {
-    std::int64_t off = 0;
-    std::int64_t all = 0;
-    [[nodiscard]] bool accepted() const {
-        return static_cast<double>(off) <= kLatticeMisfits * static_cast<double>(all);
-    }
-};
+/// So many of the valid samples may be off a lattice.
+double most_misfits(std::int64_t valid) {
+    return kLatticeMisfits * static_cast<double>(valid);
+}
 
-Misfits misfits(const Raster& strip, std::size_t component, double unit, const Raster& about,
-                double bound) {
+/// How many valid samples of a component are off the lattice of `unit`: each would need a repair.
+/// Where they are more than `most`, perhaps some only.
+std::int64_t misfits(const RasterView& strip, std::size_t component, double unit,
+                     const Raster& about, double bound, double most) {
     std::atomic<std::int64_t> off = 0;
-    std::atomic<std::int64_t> all = 0;
     parallel_for(0, strip.rows, 16, [&](std::int64_t first, std::int64_t last) {
-        Misfits some;
-        for (std::int64_t r = first; r < last; ++r)
-            for (std::int64_t c = 0; c < strip.cols; ++c) {
-                if (!is_valid(strip, r, c)) continue;
-                ++some.all;
-                some.off += off_lattice(strip.planes[component](r, c), unit, about.type,
-                                        about.nodata, bound);
-            }
-        off += some.off;
-        all += some.all;
+        std::vector<double> on(static_cast<std::size_t>(strip.cols));
+        for (std::int64_t r = first; r < last && static_cast<double>(off) <= most; ++r) {
+            const double* samples = strip.planes[component].row(r);
+            lattice_row(samples, strip.cols, unit, on.data());
+            stored_row(on.data(), strip.cols, about.type, about.nodata, on.data());
+            off += count_off(on.data(), samples, strip.valid_row(r), strip.cols, bound);
+        }
     });
-    return {off, all};
+    return off;
 }
 
 /// The lattice unit of a component with these statistics; 0: none.
-Result<double> find_unit(const RasterSource& source, const Raster& coarse, std::size_t component,
+Result<double> find_unit(const RasterSource& source, const Survey& seen, std::size_t component,
                          const SampleStatistics& statistics, double bound) {
     const Raster& about = source.description();
     const double largest = std::max(std::abs(statistics.lowest), std::abs(statistics.highest));
@@ -98,17 +114,21 @@ Result<double> find_unit(const RasterSource& source, const Raster& coarse, std::
         const double step = 2 * std::floor(bound / unit) + 1;
         return useful && step * unit >= 2 * std::floor(bound) + 1 ? unit : 1.0;
     }
+    const double most_coarse = most_misfits(seen.coarse.valid_count());
+    const double most = most_misfits(seen.valid);
+    const auto off = [&](const RasterView& strip, double unit, double enough) {
+        return static_cast<double>(misfits(strip, component, unit, about, bound, enough));
+    };
     for (int k = 0; const auto unit = lattice_candidate(k); ++k) {
         if (!(*unit > 4.8e-7 * largest)) continue;
-        if (!misfits(coarse, component, *unit, about, bound).accepted()) continue;
-        Misfits all;
-        for (std::int64_t row = 0; row < about.rows; row += kStrip) {
-            RELIEF_TRY(const Raster strip, source.read(strip_box(about, row)));
-            const Misfits some = misfits(strip, component, *unit, about, bound);
-            all.off += some.off;
-            all.all += some.all;
+        if (off(view_of(seen.coarse), *unit, most_coarse) > most_coarse) continue;
+        double all = 0;
+        for (std::int64_t row = 0; row < about.rows && all <= most; row += kStrip) {
+            Raster room;
+            RELIEF_TRY(const RasterView strip, source.view(strip_box(about, row), room));
+            all += off(strip, *unit, most - all);
         }
-        if (all.accepted()) return *unit;
+        if (all <= most) return *unit;
     }
     return 0.0;
 }
@@ -120,10 +140,11 @@ Result<Magnitudes> magnitudes(const RasterSource& source, std::size_t component)
     const Raster& about = source.description();
     Magnitudes all;
     for (std::int64_t row = 0; row < about.rows; row += kStrip) {
-        RELIEF_TRY(const Raster strip, source.read(strip_box(about, row)));
+        Raster room;
+        RELIEF_TRY(const RasterView strip, source.view(strip_box(about, row), room));
         for (std::int64_t r = 0; r < strip.rows; ++r)
             for (std::int64_t c = 0; c < strip.cols; ++c) {
-                if (!is_valid(strip, r, c)) continue;
+                if (!strip.valid(r, c)) continue;
                 const double sample = strip.planes[component](r, c);
                 all[std::ilogb(sample)].add(sample);
             }
@@ -132,11 +153,11 @@ Result<Magnitudes> magnitudes(const RasterSource& source, std::size_t component)
 }
 
 /// The domain of a component whose samples have these statistics; none: they do not fit.
-Result<std::optional<IntegerDomain>> fitting_domain(const RasterSource& source,
-                                                    const Raster& coarse, std::size_t component,
+Result<std::optional<IntegerDomain>> fitting_domain(const RasterSource& source, const Survey& seen,
+                                                    std::size_t component,
                                                     const SampleStatistics& statistics,
                                                     double bound) {
-    RELIEF_TRY(const double unit, find_unit(source, coarse, component, statistics, bound));
+    RELIEF_TRY(const double unit, find_unit(source, seen, component, statistics, bound));
     return make_domain(statistics, source.description().type, unit, bound);
 }
 
@@ -145,7 +166,7 @@ Result<std::optional<IntegerDomain>> fitting_domain(const RasterSource& source,
 Result<std::optional<IntegerDomain>> find_domain(const RasterSource& source, const Survey& seen,
                                                  std::size_t component, double bound) {
     const SampleStatistics& all = seen.components[component];
-    RELIEF_TRY(auto domain, fitting_domain(source, seen.coarse, component, all, bound));
+    RELIEF_TRY(auto domain, fitting_domain(source, seen, component, all, bound));
     if (domain) return domain;
     RELIEF_TRY(Magnitudes rest, magnitudes(source, component));
     const auto fewest =
@@ -155,7 +176,7 @@ Result<std::optional<IntegerDomain>> find_domain(const RasterSource& source, con
         SampleStatistics inner;
         for (const auto& [order, statistics] : rest) inner.add(statistics);
         if (inner.count == 0 || inner.count < fewest) return domain;
-        RELIEF_TRY(domain, fitting_domain(source, seen.coarse, component, inner, bound));
+        RELIEF_TRY(domain, fitting_domain(source, seen, component, inner, bound));
         if (!domain) continue;
         domain->outliers = true;
         return domain;
@@ -165,68 +186,62 @@ Result<std::optional<IntegerDomain>> find_domain(const RasterSource& source, con
 /// The bilinear surface through the coarsest lattice.
 class CoarsestSurface {
   public:
-    CoarsestSurface(const Raster& strip, const Survey& seen, const Raster& about)
+    CoarsestSurface(const RasterView& strip, const Survey& seen, const Raster& about)
         : strip_(strip),
           survey_(seen),
+          coarse_(view_of(seen.coarse)),
           about_(about),
-          levels_(TileTree(about.rows, about.cols).levels()) {}
+          levels_(TileTree(about.rows, about.cols).levels()),
+          step_(std::int64_t{1} << levels_),
+          per_cell_(1 / static_cast<double>(step_)) {}
 
     /// Squared distance of row `row` of the raster, which is row r of the strip.
     [[nodiscard]] double energy(std::int64_t r, std::int64_t row) const {
-        double sum = 0;
-        const Between down = between(row, about_.rows);
+        PartialSums sums{};
+        const std::uint8_t* valid = strip_.valid_row(r);
+        const std::int64_t north = row >> levels_ << levels_;
+        const std::int64_t south = next(north, about_.rows);
+        const double down = per_cell_ * static_cast<double>(row - north);
         for (std::size_t p = 0; p < strip_.planes.size(); ++p) {
             const auto line = [&](std::int64_t col) {
-                const double a = sample(p, down.first, col);
-                return a + down.part * (sample(p, down.second, col) - a);
+                const double a = sample(p, north, col);
+                return a + down * (sample(p, south, col) - a);
             };
-            std::int64_t cell = -1;
-            double left = 0;
-            double right = 0;
-            for (std::int64_t c = 0; c < strip_.cols; ++c) {
-                if (!strip_.valid(r, c)) continue;
-                const Between across = between(c, about_.cols);
-                if (across.first != cell) {
-                    left = line(across.first);
-                    right = line(across.second);
-                    cell = across.first;
-                }
-                const double difference =
-                    strip_.planes[p](r, c) - (left + across.part * (right - left));
-                sum += difference * difference;
+            for (std::int64_t west = 0; west < strip_.cols; west += step_) {
+                const double left = line(west);
+                const double right = line(next(west, about_.cols));
+                add_squares(strip_.planes[p].row(r) + west, valid ? valid + west : nullptr,
+                            std::min(step_, strip_.cols - west), left, per_cell_ * (right - left),
+                            sums);
             }
         }
-        return sum;
+        return std::accumulate(sums.begin(), sums.end(), 0.0);
     }
 
   private:
-    /// A place between samples of the lattice, along one axis.
-    struct Between {
-        std::int64_t first, second;  ///< samples of the raster
-        double part;
-    };
-    [[nodiscard]] Between between(std::int64_t x, std::int64_t n) const {
-        const std::int64_t step = std::int64_t{1} << levels_;
-        const std::int64_t first = x / step * step;
-        const std::int64_t second = first + step < n ? first + step : first;
-        return {first, second, static_cast<double>(x - first) / static_cast<double>(step)};
+    /// The sample of the lattice after one at x, of n along an axis; the last one after itself.
+    [[nodiscard]] std::int64_t next(std::int64_t x, std::int64_t n) const {
+        return x + step_ < n ? x + step_ : x;
     }
 
     /// Holes have the middle value. A raster whose coarsest lattice is finer than the survey's is
     /// one strip.
     [[nodiscard]] double sample(std::size_t p, std::int64_t row, std::int64_t col) const {
         const bool surveyed = levels_ >= TileTree::kTierLevels;
-        const Raster& from = surveyed ? survey_.coarse : strip_;
+        const RasterView& from = surveyed ? coarse_ : strip_;
         const int shift = surveyed ? TileTree::kTierLevels : 0;
         if (from.valid(row >> shift, col >> shift))
             return from.planes[p](row >> shift, col >> shift);
         return (survey_.components[p].lowest + survey_.components[p].highest) / 2;
     }
 
-    const Raster& strip_;
+    const RasterView& strip_;
     const Survey& survey_;
+    RasterView coarse_;
     const Raster& about_;
     int levels_;
+    std::int64_t step_;
+    double per_cell_;
 };
 
 /// How many low bits of quotients are noise: they grow with the octaves of what a sample is off
@@ -237,14 +252,14 @@ Result<int> raw_bits_of(const RasterSource& source, std::size_t component,
     std::int64_t octaves = 0;
     std::int64_t count = 0;
     for (const LatticeBox& box : sample_strips(source.description())) {
-        RELIEF_TRY(const Raster strip, source.read(box));
+        Raster room;
+        RELIEF_TRY(const RasterView strip, source.view(box, room));
         std::vector<std::int32_t> v(static_cast<std::size_t>(box.cols));
         for (std::int64_t r = 0; r < box.rows; ++r) {
-            domain.integers(strip.planes[component].row(r), box.cols, v.data());
+            integer_row(strip.planes[component].row(r), box.cols, domain, v.data());
             for (std::size_t c = 1; c + 1 < v.size(); ++c) {
                 const auto at = static_cast<std::int64_t>(c);
-                if (!is_valid(strip, r, at - 1) || !is_valid(strip, r, at) ||
-                    !is_valid(strip, r, at + 1))
+                if (!strip.valid(r, at - 1) || !strip.valid(r, at) || !strip.valid(r, at + 1))
                     continue;
                 const std::int64_t twice =
                     std::abs(2 * std::int64_t{v[c]} - v[c - 1] - v[c + 1]) / domain.step;
@@ -261,8 +276,8 @@ Result<int> raw_bits_of(const RasterSource& source, std::size_t component,
 }  // namespace
 
 std::vector<LatticeBox> sample_strips(const Raster& about) {
-    constexpr std::int64_t most = 8;
-    constexpr std::int64_t rows = 64;
+    constexpr std::int64_t most = 16;
+    constexpr std::int64_t rows = 8;
     const std::int64_t strips = std::min(most, (about.rows + rows - 1) / rows);
     std::vector<LatticeBox> boxes;
     for (std::int64_t k = 0; k < strips; ++k) {
@@ -272,7 +287,7 @@ std::vector<LatticeBox> sample_strips(const Raster& about) {
     return boxes;
 }
 
-double coarse_energy(const Raster& strip, std::int64_t row0, const Survey& seen,
+double coarse_energy(const RasterView& strip, std::int64_t row0, const Survey& seen,
                      const Raster& about) {
     const CoarsestSurface surface(strip, seen, about);
     std::vector<double> rows(static_cast<std::size_t>(strip.rows), 0.0);
@@ -295,7 +310,8 @@ Result<Survey> survey(const RasterSource& source, const Progress& progress) {
     for (int p = 0; p < source.components(); ++p)
         seen.coarse.planes.emplace_back(seen.coarse.rows, seen.coarse.cols);
     for (std::int64_t row = 0; row < about.rows; row += kStrip) {
-        RELIEF_TRY(const Raster strip, source.read(strip_box(about, row)));
+        Raster room;
+        RELIEF_TRY(const RasterView strip, source.view(strip_box(about, row), room));
         std::vector<RowSurvey> rows(static_cast<std::size_t>(strip.rows));
         parallel_for(0, strip.rows, 16, [&](std::int64_t first, std::int64_t last) {
             for (std::int64_t r = first; r < last; ++r)
@@ -327,7 +343,9 @@ Result<bool> choose_domains(const RasterSource& source, const Survey& seen, doub
     coding.nodata = source.description().nodata;
     coding.domains.clear();
     for (std::size_t p = 0; p < seen.components.size(); ++p) {
-        RELIEF_TRY(const auto domain, find_domain(source, seen, p, bound));
+        RELIEF_TRY(auto domain, find_domain(source, seen, p, bound));
+        // Bounds below the type's own steps: exactness costs less.
+        if (!domain) domain = make_domain(seen.components[p], coding.type, 0, 0);
         if (!domain) return false;
         coding.domains.push_back(*domain);
         if (coding.profile == Profile::Dense) {

@@ -33,9 +33,7 @@ class MaskModel {
         if (repeats) {
             std::copy_n(&above_[kMargin], cols, &row_[kMargin]);
         } else {
-            for (std::size_t c = 0; c < cols; ++c)
-                row_[c + kMargin] =
-                    code_adaptive(coder_, pixels[c] != 0, slots_[context(c + kMargin)]);
+            code_pixels(pixels, cols);
         }
         if constexpr (Coder::kDecodes) std::copy_n(&row_[kMargin], cols, pixels);
         above2_.swap(above_);
@@ -43,12 +41,23 @@ class MaskModel {
     }
 
   private:
-    /// WW W, then NWW NW N NE NEE, then NNW NN NNE: the lowest bit is the last.
-    [[nodiscard]] std::size_t context(std::size_t c) const {
-        std::size_t bits = 2U * row_[c - 2] + row_[c - 1];
-        for (std::size_t k = c - 2; k <= c + 2; ++k) bits = 2 * bits + above_[k];
-        for (std::size_t k = c - 1; k <= c + 1; ++k) bits = 2 * bits + above2_[k];
-        return bits;
+    /// Contexts are WW W, then NWW NW N NE NEE, then NNW NN NNE, the lowest bit the last: each part
+    /// shifts by a pixel at a time.
+    void code_pixels(const std::uint8_t* pixels, std::size_t cols) {
+        const std::uint8_t* const above = &above_[kMargin];
+        const std::uint8_t* const above2 = &above2_[kMargin];
+        std::size_t west = 3;
+        std::size_t north = 8U + 4U + 2U * above[0] + above[1];  // the margin is valid
+        std::size_t far_north = 2U + above2[0];
+        for (std::size_t c = 0; c < cols; ++c) {
+            north = (2 * north & 31) + above[c + 2];
+            far_north = (2 * far_north & 7) + above2[c + 1];
+            const std::size_t context = (west << 8) + (north << 3) + far_north;
+            const bool pixel =
+                code_adaptive(coder_, !Coder::kDecodes && pixels[c] != 0, slots_[context]);
+            row_[c + kMargin] = pixel;
+            west = (2 * west & 3) + pixel;
+        }
     }
 
     Coder& coder_;

@@ -13,14 +13,6 @@ namespace {
 /// Blocks that are kept, besides two rows of tiles.
 constexpr std::size_t kFewestKept = 24;
 
-LatticeBox common(const LatticeBox& a, const LatticeBox& b) {
-    const std::int64_t row0 = std::max(a.row0, b.row0);
-    const std::int64_t col0 = std::max(a.col0, b.col0);
-    const std::int64_t rows = std::min(a.row0 + a.rows, b.row0 + b.rows) - row0;
-    const std::int64_t cols = std::min(a.col0 + a.cols, b.col0 + b.cols) - col0;
-    return {row0, col0, std::max<std::int64_t>(rows, 0), std::max<std::int64_t>(cols, 0)};
-}
-
 }  // namespace
 
 PyramidBlocks::PyramidBlocks(const ContainerReader& container,
@@ -113,7 +105,7 @@ void PyramidBlocks::copy(const Block& block, const std::vector<LatticeBox>& boxe
     for (std::size_t k = 0; k < block.parts.size(); ++k) {
         const std::size_t band = block.parts[k].band;
         const LatticeBox& from = block.parts[k].box;
-        const LatticeBox part = common(from, boxes[band]);
+        const LatticeBox part = intersection(from, boxes[band]);
         if (part.count() == 0) continue;
         for (std::size_t c = 0; c < block.known.size(); ++c) {
             const Grid<std::int32_t>& values = block.values[c * block.parts.size() + k];
@@ -129,20 +121,27 @@ void PyramidBlocks::copy(const Block& block, const std::vector<LatticeBox>& boxe
     }
 }
 
-Result<PyramidPart> PyramidBlocks::read(const std::vector<LatticeBox>& boxes) const {
+Result<PyramidPart> PyramidBlocks::read(const std::vector<LatticeBox>& boxes,
+                                        int finest_level) const {
     PyramidPart out;
     out.fewest_layers = coding_.layers.size();
-    for (const LatticeBox& box : boxes) {
+    std::vector<LatticeBox> wanted = boxes;
+    for (std::size_t k = 0; k < boxes.size(); ++k) {
+        const multires::BandLayout& band = layout_.bands[k];
+        const bool dropped = band.channel > 0 && band.level <= finest_level;
+        if (dropped) wanted[k] = {};
         multires::Planes<double>& planes = out.bands.emplace_back();
-        for (int c = 0; c < layout_.components; ++c) planes.emplace_back(box.rows, box.cols);
+        for (int c = 0; c < layout_.components; ++c)
+            planes.push_back(dropped ? Grid<double>(boxes[k].rows, boxes[k].cols, 0.0)
+                                     : Grid<double>(boxes[k].rows, boxes[k].cols));
     }
     for (std::size_t g = 0; g < streams_.groups().size(); ++g) {
         std::vector<std::size_t> met;
-        for (std::size_t k = 0; k < boxes.size(); ++k) {
+        for (std::size_t k = 0; k < wanted.size(); ++k) {
             const int level = layout_.bands[k].level;
             const StreamLayout::Group& group = streams_.groups()[g];
-            if (boxes[k].count() == 0 || level > group.coarsest || level < group.finest) continue;
-            const auto more = streams_.meeting(g, level, boxes[k]);
+            if (wanted[k].count() == 0 || level > group.coarsest || level < group.finest) continue;
+            const auto more = streams_.meeting(g, level, wanted[k]);
             met.insert(met.end(), more.begin(), more.end());
         }
         std::sort(met.begin(), met.end());
@@ -158,7 +157,7 @@ Result<PyramidPart> PyramidBlocks::read(const std::vector<LatticeBox>& boxes) co
                                  states[k] = decoded.error();
                                  continue;
                              }
-                             copy(**decoded, boxes, out);
+                             copy(**decoded, wanted, out);
                              found[k] = {(*decoded)->layers, (*decoded)->damaged};
                          }
                      });

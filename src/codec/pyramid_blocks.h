@@ -38,9 +38,11 @@ class PyramidBlocks {
     }
 
     /// boxes[k] is what is wanted of band k, inside it; empty ones are not read. What chunks do not
-    /// tell is taken to be as probable as zero. Errors: BadFile when the first chunk is not there.
+    /// tell is taken to be as probable as zero. Details of `finest_level` and finer ones are not
+    /// read but 0. Errors: BadFile when the first chunk is not there.
     /// Complexity: O(coefficients of the streams that meet the boxes).
-    [[nodiscard]] Result<PyramidPart> read(const std::vector<LatticeBox>& boxes) const;
+    [[nodiscard]] Result<PyramidPart> read(const std::vector<LatticeBox>& boxes,
+                                           int finest_level = 0) const;
 
   private:
     struct Block {

@@ -6,7 +6,7 @@
 #include "codec/corrections.h"
 #include "codec/pyramid_blocks.h"
 #include "codec/raster_body.h"
-#include "relief/codec/mask_coder.h"
+#include "codec/tile_masks.h"
 #include "relief/multires/cubic_window.h"
 #include "relief/spline/lattice_filters.h"
 
@@ -29,16 +29,6 @@ bool all_finite(const Planes<double>& planes) {
     });
 }
 
-/// Every 2^shift-th sample of a window of a mask's level.
-Grid<std::uint8_t> picked(const Grid<std::uint8_t>& mask, int shift, const LatticeBox& window) {
-    if (mask.empty()) return {};
-    Grid<std::uint8_t> part(window.rows, window.cols);
-    for (std::int64_t r = 0; r < window.rows; ++r)
-        for (std::int64_t c = 0; c < window.cols; ++c)
-            part(r, c) = mask((window.row0 + r) << shift, (window.col0 + c) << shift);
-    return part;
-}
-
 Planes<double> cropped(Planes<double> planes, const LatticeBox& window) {
     for (Grid<double>& plane : planes) {
         if (window.rows == plane.rows() && window.cols == plane.cols()) continue;
@@ -59,27 +49,25 @@ class PyramidBody final : public RasterBody {
           header_(header),
           layout_(layout),
           layers_(header.pyramid.layers.size()),
-          blocks_(container, layout, header.pyramid, kMaskChunk + 1) {}
+          blocks_(container, layout, header.pyramid,
+                  kFirstMask + static_cast<std::size_t>(mask_chunks(header, layout))) {
+        if (header.has_mask)
+            masks_ = std::make_unique<TileMasks>(container, layout.rows, layout.cols, kFirstMask);
+    }
 
-    Status open() {
-        if (!header_.has_mask && container_.chunks()[kMaskChunk].length > 0)
-            return Error{ErrorCode::BadFile,
-                         "does not agree with its header about a mask; the file is damaged",
-                         "directory"};
+    Status open() const {
         if (!container_.complete(blocks_.chunk(0, 0)))
             return Error{
                 ErrorCode::BadFile,
                 "not even the coarsest level is inside the bytes given; give more of the file", ""};
-        if (!header_.has_mask) return {};
-        RELIEF_TRY(const Bytes data, container_.chunk(kMaskChunk));
-        mask_ = Grid<std::uint8_t>(layout_.rows, layout_.cols);
-        return decode_mask(data, mask_.view());
+        return {};
     }
 
     /// How many chunks a file has. Complexity: O(levels).
     [[nodiscard]] static std::uint64_t chunk_count(const RasterHeader& header,
                                                    const PyramidLayout& layout) {
-        return kMaskChunk + 2 + header.pyramid.layers.size() * StreamLayout::count(layout);
+        return kFirstMask + mask_chunks(header, layout) +
+               header.pyramid.layers.size() * StreamLayout::count(layout) + 1;
     }
 
     Result<BodySamples> samples(int level, const LatticeBox& window) const override {
@@ -87,9 +75,9 @@ class PyramidBody final : public RasterBody {
         Known known;
         RELIEF_TRY(samples.planes, surface(level, window, known));
         if (corrected(level)) RELIEF_CHECK(correct(window, samples.planes));
-        samples.mask = picked(mask_, level, window);
         samples.bound = bound_of(level, known.fewest_layers, known.most_layers);
         samples.damaged = std::move(known.damaged);
+        if (masks_) samples.mask = masks_->read(level, window, samples.damaged);
         return samples;
     }
 
@@ -182,7 +170,7 @@ class PyramidBody final : public RasterBody {
             }
             if (sum.bytes > 0) all.push_back(sum);
         };
-        add("mask", 0, kMaskChunk, 1);
+        add("mask", 0, kFirstMask, static_cast<std::size_t>(mask_chunks(header_, layout_)));
         for (std::size_t layer = 0; layer < layers_; ++layer)
             for (const StreamLayout::Group& group : blocks_.streams().groups())
                 add(group.first == 0 ? "scaling" : "details", group.finest,
@@ -192,7 +180,12 @@ class PyramidBody final : public RasterBody {
     }
 
   private:
-    static constexpr std::size_t kMaskChunk = kEditsChunk + 1;
+    static constexpr std::size_t kFirstMask = kEditsChunk + 1;
+
+    [[nodiscard]] static std::uint64_t mask_chunks(const RasterHeader& header,
+                                                   const PyramidLayout& layout) {
+        return header.has_mask ? TileMasks::chunks(layout.rows, layout.cols) : 0;
+    }
 
     /// What turned out to be known of what was asked for.
     struct Known {
@@ -290,7 +283,7 @@ class PyramidBody final : public RasterBody {
     const PyramidLayout& layout_;
     std::size_t layers_;
     PyramidBlocks blocks_;
-    Grid<std::uint8_t> mask_;
+    std::unique_ptr<TileMasks> masks_;
     mutable std::mutex mutex_;
     mutable std::shared_ptr<const Corrections> corrections_;  ///< read when they are first needed
 };

@@ -63,38 +63,42 @@ std::size_t size_down_to(const std::vector<CodedStream>& streams, int plane) {
     return size;
 }
 
-Result<CodedStream> encode(const multires::PyramidLayout& layout, const StreamLayout& streams,
-                           std::size_t number, QuantisedPyramid& quantised) {
+}  // namespace
+
+Result<CodedStream> encode_one_stream(const multires::PyramidLayout& layout,
+                                      const StreamLayout& streams, std::size_t number,
+                                      QuantisedPyramid& quantised, const QuantisedPyramid& above) {
     const std::vector<BandPart> parts = streams.parts(number);
-    const std::optional<std::size_t> above = streams.parent(number);
+    const std::optional<std::size_t> parent = streams.parent(number);
     const std::vector<BandPart> parent_parts =
-        above ? streams.parts(*above) : std::vector<BandPart>();
+        parent ? streams.parts(*parent) : std::vector<BandPart>();
     CodedStream coded;
     for (std::size_t c = 0; c < static_cast<std::size_t>(layout.components); ++c) {
         std::vector<StreamBand> bands;
         for (const BandPart& part : parts) {
             const multires::BandLayout& band = layout.bands[part.band];
+            const LatticeBox& here = quantised.boxes[part.band];
             StreamBand& added = bands.emplace_back(
                 StreamBand{band.level, band.channel, part.box,
-                           part_of(quantised.values[part.band][c].view(), band.box, part.box)});
+                           part_of(quantised.values[part.band][c].view(), here, part.box)});
             if (!quantised.worths.empty())
                 added.worth =
                     part_of(GridView<const std::uint8_t>(quantised.worths[part.band][c].view()),
-                            band.box, part.box);
+                            here, part.box);
         }
         std::vector<ParentBand> parents;
         for (const BandPart& part : parent_parts) {
             const multires::BandLayout& band = layout.bands[part.band];
-            parents.push_back({band.level, band.channel, part.box,
-                               part_of(quantised.values[part.band][c].view(), band.box, part.box)});
+            parents.push_back(
+                {band.level, band.channel, part.box,
+                 part_of(GridView<const std::int32_t>(above.values[part.band][c].view()),
+                         above.boxes[part.band], part.box)});
         }
         RELIEF_TRY(EmbeddedStream stream, encode_stream(bands, parents));
         coded.push_back(std::move(stream));
     }
     return coded;
 }
-
-}  // namespace
 
 void add_to(GridView<double> plane, double mean) {
     for (std::int64_t r = 0; r < plane.rows; ++r)
@@ -105,6 +109,7 @@ QuantisedPyramid quantise(const multires::Pyramid<double>& pyramid, const Pyrami
     QuantisedPyramid result;
     for (std::size_t k = 0; k < pyramid.bands.size(); ++k) {
         const double step = coding.step_of(pyramid.layout, k);
+        result.boxes.push_back(pyramid.layout.bands[k].box);
         std::vector<Grid<std::int32_t>> values;
         std::vector<Grid<std::uint8_t>> worths;
         for (std::size_t c = 0; c < pyramid.bands[k].size(); ++c) {
@@ -189,15 +194,23 @@ std::int64_t count_kept(const QuantisedPyramid& quantised) {
 Result<std::vector<CodedStream>> encode_streams(const multires::PyramidLayout& layout,
                                                 const StreamLayout& streams,
                                                 QuantisedPyramid& quantised) {
+    return encode_streams(layout, streams, quantised, streams.groups());
+}
+
+Result<std::vector<CodedStream>> encode_streams(const multires::PyramidLayout& layout,
+                                                const StreamLayout& streams,
+                                                QuantisedPyramid& quantised,
+                                                std::span<const StreamLayout::Group> groups) {
     std::vector<CodedStream> coded(streams.streams());
     // Contexts of a level look at what is left of the coarser one.
-    for (const StreamLayout::Group& group : streams.groups()) {
+    for (const StreamLayout::Group& group : groups) {
         std::vector<Status> states(group.count);
         const auto count = static_cast<std::int64_t>(group.count);
         parallel_for(0, count, 1, [&](std::int64_t first, std::int64_t last) {
             for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last);
                  ++k) {
-                Result<CodedStream> stream = encode(layout, streams, group.first + k, quantised);
+                Result<CodedStream> stream =
+                    encode_one_stream(layout, streams, group.first + k, quantised, quantised);
                 if (stream.ok())
                     coded[group.first + k] = *std::move(stream);
                 else
@@ -229,28 +242,30 @@ std::vector<int> choose_layers(const std::vector<CodedStream>& streams) {
     return layers;
 }
 
+Bytes chunk_of(const CodedStream& components, const std::vector<int>& layers, std::size_t k) {
+    ByteWriter out;
+    bool says = false;
+    for (const EmbeddedStream& stream : components) {
+        const bool begun = k > 0 && stream.planes > layers[k - 1];
+        const std::size_t from = begun ? bytes_down_to(stream, layers[k - 1]) : 0;
+        const std::size_t to = bytes_down_to(stream, layers[k]);
+        Bytes piece;
+        if (!begun && stream.planes > layers[k])
+            piece.push_back(static_cast<std::uint8_t>(stream.planes));
+        piece.insert(piece.end(), stream.bytes.begin() + static_cast<std::ptrdiff_t>(from),
+                     stream.bytes.begin() + static_cast<std::ptrdiff_t>(to));
+        says = says || !piece.empty();
+        if (components.size() > 1) out.varint(piece.size());
+        out.bytes(piece);
+    }
+    return says ? out.take() : Bytes();
+}
+
 std::vector<Bytes> chunks_of(const std::vector<CodedStream>& streams,
                              const std::vector<int>& layers) {
     std::vector<Bytes> chunks;
     for (std::size_t k = 0; k < layers.size(); ++k)
-        for (const CodedStream& components : streams) {
-            ByteWriter out;
-            bool says = false;
-            for (const EmbeddedStream& stream : components) {
-                const bool begun = k > 0 && stream.planes > layers[k - 1];
-                const std::size_t from = begun ? bytes_down_to(stream, layers[k - 1]) : 0;
-                const std::size_t to = bytes_down_to(stream, layers[k]);
-                Bytes piece;
-                if (!begun && stream.planes > layers[k])
-                    piece.push_back(static_cast<std::uint8_t>(stream.planes));
-                piece.insert(piece.end(), stream.bytes.begin() + static_cast<std::ptrdiff_t>(from),
-                             stream.bytes.begin() + static_cast<std::ptrdiff_t>(to));
-                says = says || !piece.empty();
-                if (components.size() > 1) out.varint(piece.size());
-                out.bytes(piece);
-            }
-            chunks.push_back(says ? out.take() : Bytes());
-        }
+        for (const CodedStream& stream : streams) chunks.push_back(chunk_of(stream, layers, k));
     return chunks;
 }
 

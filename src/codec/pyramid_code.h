@@ -16,7 +16,9 @@ namespace relief::codec {
 template <class T>
 using BandGrids = std::vector<std::vector<Grid<T>>>;
 
+/// The bands of a layout, or parts of them.
 struct QuantisedPyramid {
+    std::vector<LatticeBox> boxes;  ///< of each band: what is here; empty ones are not
     BandGrids<std::int32_t> values;
     BandGrids<std::uint8_t> worths;  ///< see quantise_band; empty: no value is to be dropped
 };
@@ -49,14 +51,31 @@ void reconstruct(const QuantisedPyramid& quantised, const PyramidCoding& coding,
 /// One embedded stream for each component.
 using CodedStream = std::vector<EmbeddedStream>;
 
-/// All streams of a layout. Drops values that are not worth their bits. The same for any number of
-/// threads. Errors: InvalidArgument when a value has more than 30 bits.
+/// One stream, whose bands are in `quantised`; those of its parent are in `above`, which may be the
+/// same. Drops values that are not worth their bits. Errors: as encode_streams.
+[[nodiscard]] Result<CodedStream> encode_one_stream(const multires::PyramidLayout& layout,
+                                                    const StreamLayout& streams, std::size_t number,
+                                                    QuantisedPyramid& quantised,
+                                                    const QuantisedPyramid& above);
+
+/// The streams of some groups of a layout, coarse ones first; all others are empty. Drops values
+/// that are not worth their bits. The same for any number of threads. Errors: InvalidArgument when
+/// a value has more than 30 bits.
+[[nodiscard]] Result<std::vector<CodedStream>> encode_streams(
+    const multires::PyramidLayout& layout, const StreamLayout& streams, QuantisedPyramid& quantised,
+    std::span<const StreamLayout::Group> groups);
+
+/// All of them.
 [[nodiscard]] Result<std::vector<CodedStream>> encode_streams(const multires::PyramidLayout& layout,
                                                               const StreamLayout& streams,
                                                               QuantisedPyramid& quantised);
 
 /// The lowest planes of layers that are worth a directory entry for each stream.
 [[nodiscard]] std::vector<int> choose_layers(const std::vector<CodedStream>& streams);
+
+/// The chunk of a stream in layer k.
+[[nodiscard]] Bytes chunk_of(const CodedStream& stream, const std::vector<int>& layers,
+                             std::size_t k);
 
 /// The chunks, layer by layer, streams in order.
 [[nodiscard]] std::vector<Bytes> chunks_of(const std::vector<CodedStream>& streams,

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -9,12 +8,12 @@
 #include "codec/decimal.h"
 #include "codec/pyramid_code.h"
 #include "codec/pyramid_encode.h"
-#include "codec/quantised_refit.h"
+#include "codec/pyramid_search.h"
 #include "codec/raster_header.h"
 #include "codec/surface_error.h"
+#include "codec/tile_masks.h"
 #include "relief/codec/container.h"
 #include "relief/codec/fill.h"
-#include "relief/codec/mask_coder.h"
 #include "relief/core/parallel.h"
 
 namespace relief::codec {
@@ -23,21 +22,8 @@ namespace {
 
 using multires::Planes;
 
-/// A coefficient is worth refitting when its weighted magnitude is at least this part of the step.
-constexpr double kRefitThreshold = 0.55;
-/// Samples up to here leave room for what filters add.
-constexpr double kLargestSample = 1e45;
-/// Beyond it all values are 0.
-constexpr double kLargestStep = 1e99;
 /// Bounds below so many of a float type's steps may cost more than exactness.
 constexpr double kNearlyExact = 64;
-
-double mean_of(const Grid<double>& plane) {
-    double sum = 0;
-    for (std::int64_t r = 0; r < plane.rows(); ++r)
-        for (std::int64_t c = 0; c < plane.cols(); ++c) sum += plane(r, c);
-    return rounded(sum / static_cast<double>(plane.count()), 5);
-}
 
 /// One way to code the raster: quantised coefficients, the surface they give, how far it is off,
 /// and the coded chunks.
@@ -93,14 +79,7 @@ class Encoder {
         if (samples_ == 0)
             return Error{ErrorCode::BadInput,
                          "no sample is valid: every one is NODATA or not a number", ""};
-        for (const Grid<double>& plane : raster_.planes)
-            for (std::int64_t r = 0; r < raster_.rows; ++r)
-                for (std::int64_t c = 0; c < raster_.cols; ++c)
-                    if (raster_.valid(r, c) && !(std::abs(plane(r, c)) <= kLargestSample))
-                        return Error{
-                            ErrorCode::BadInput,
-                            "a valid sample is not a number or beyond 1e45; mark it as NODATA",
-                            "row " + std::to_string(r) + ", column " + std::to_string(c)};
+        RELIEF_CHECK(check_samples(raster_, 0, 0));
         return {};
     }
 
@@ -111,7 +90,7 @@ class Encoder {
         if (!raster_.mask.empty()) target_.mask = raster_.mask.view();
         RELIEF_TRY(pyramid_, multires::analyse<double>(target_.planes, spec_));
         scratch_ = Pyramid<double>::allocate(pyramid_.layout);
-        for (const Grid<double>& plane : pyramid_.bands[0]) means_.push_back(mean_of(plane));
+        means_ = means_of(pyramid_.bands[0]);
         return {};
     }
 
@@ -152,32 +131,9 @@ class Encoder {
         return candidate;
     }
 
-    Pyramid<double> copy_of_pyramid() const {
-        Pyramid<double> copy;
-        copy.layout = pyramid_.layout;
-        for (const Planes<double>& band : pyramid_.bands) {
-            Planes<double> planes;
-            for (const Grid<double>& plane : band) planes.push_back(plane.clone());
-            copy.bands.push_back(std::move(planes));
-        }
-        return copy;
-    }
-
-    /// The pyramid whose coefficients are to be quantised with a step. Least squares over those
-    /// that will not be zero takes 10 to 20 % off the file at the same error: atoms of one level
-    /// overlap and can take over what their neighbours lose.
+    /// The pyramid whose coefficients are to be quantised with a step.
     Pyramid<double> improved(double step) const {
-        Pyramid<double> chosen = copy_of_pyramid();
-        if (options_.effort == Effort::Select) return chosen;
-        const Selection selection = select_above(chosen, kRefitThreshold * step);
-        if (options_.effort == Effort::Reselect) {
-            codec::choose(chosen, selection.kept, target_, Effort::Reselect);
-        } else {
-            apply(selection, chosen);
-            refit(chosen, selection, target_, 8);
-        }
-        refit_quantised(chosen, {.step = step, .means = means_}, target_);
-        return chosen;
+        return codec::improved(pyramid_, target_, {.step = step, .means = means_}, options_.effort);
     }
 
     /// Codes the streams, which drops some values, and measures what is left.
@@ -207,7 +163,7 @@ class Encoder {
         const double share = options_.goal.value / 100;
         const double wanted =
             std::min(share * static_cast<double>(raster_.rows * raster_.cols), 9e18);
-        Pyramid<double> chosen = copy_of_pyramid();
+        Pyramid<double> chosen = copy_of(pyramid_);
         const Selection selection = codec::choose(
             chosen, static_cast<std::int64_t>(std::llround(wanted)), target_, options_.effort);
         kept_ = selection.kept;
@@ -219,51 +175,12 @@ class Encoder {
         return candidate;
     }
 
-    /// Finds the unit where `measure_of(candidate)` meets 1 from below. growing: the measure grows
-    /// with the unit. Keeps the candidate that is closest below 1.
+    /// As codec::search, and reports progress.
     template <class Make, class MeasureOf>
     Result<Candidate> search(double unit, bool growing, double close_enough, Make make,
                              MeasureOf measure_of) {
-        std::optional<Candidate> best;
-        double best_measure = 0;
-        double below = 0;  // log units and log measures of the bracket
-        double below_measure = 0;
-        double above = 0;
-        double above_measure = 0;
-        bool has_below = false;
-        bool has_above = false;
-        constexpr int most_steps = 24;
-        for (int step = 0; step < most_steps; ++step) {
-            if (cancelled(0.1 + 0.7 * step / most_steps)) return cancelled_error();
-            RELIEF_TRY(Candidate candidate, make(unit));
-            const double measure = measure_of(candidate);
-            const double logarithm = std::log(std::max(measure, 1e-12));
-            if (measure <= 1) {
-                if (!best || measure > best_measure) {
-                    best = std::move(candidate);
-                    best_measure = measure;
-                }
-                if (measure >= close_enough) break;
-                has_below = true;
-                below = std::log(unit);
-                below_measure = logarithm;
-            } else {
-                has_above = true;
-                above = std::log(unit);
-                above_measure = logarithm;
-            }
-            if (has_below && has_above) {
-                if (std::abs(above - below) < 1e-4) break;
-                const double part = -below_measure / std::max(above_measure - below_measure, 1e-9);
-                unit = std::exp(below + (above - below) * std::clamp(part - 0.01, 0.05, 0.95));
-            } else {
-                const double factor = std::clamp(std::exp(1.1 * std::abs(logarithm)), 1.02, 16.0);
-                unit = (measure > 1) == growing ? unit / factor : unit * factor;
-            }
-            if (!(unit > 1e-290 && unit < 1e290)) break;
-        }
-        if (!best) return Error{ErrorCode::BadInput, "no step meets the goal", ""};
-        return *std::move(best);
+        return codec::search<Candidate>(unit, growing, close_enough, make, measure_of,
+                                        [&](double done) { return cancelled(0.1 + 0.7 * done); });
     }
 
     /// First without coding; then, for values that are dropped make the error larger, with it.
@@ -396,7 +313,7 @@ class Encoder {
 
         ContainerWriter writer;
         writer.add({});  // no edits
-        writer.add(header.has_mask ? encode_mask(raster_.mask.view()) : Bytes{});
+        if (header.has_mask) add_masks(writer);
         const std::size_t streams = candidate.chunks.size() / candidate.coding.layers.size();
         for (std::size_t k = 0; k < candidate.chunks.size(); ++k) {
             const std::size_t layer = k / streams;
@@ -406,6 +323,15 @@ class Encoder {
         }
         writer.add(candidate.correction, final_error.max);
         return writer.finish(write_header(header));
+    }
+
+    void add_masks(ContainerWriter& writer) const {
+        const TileTree tree(raster_.rows, raster_.cols);
+        for (const std::int64_t tile : tree.hilbert_order(0)) {
+            const LatticeBox box = tree.box(0, tile);
+            writer.add(encode_tile_mask({raster_.mask.row(box.row0) + box.col0, box.rows, box.cols,
+                                         raster_.mask.stride()}));
+        }
     }
 
     /// Largest errors of the surfaces that the first layers give.
@@ -499,7 +425,6 @@ class Encoder {
         done_ = std::max(done_, done);
         return options_.progress && !options_.progress(done_);
     }
-    static Error cancelled_error() { return Error{ErrorCode::Cancelled, "cancelled", ""}; }
 
     friend Result<double> relief::codec::pyramid_energy(const Raster&, const multires::SchemeSpec&);
 

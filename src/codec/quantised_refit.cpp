@@ -17,10 +17,10 @@ constexpr double kRounding = 0.35;
 constexpr double kShare = 0.15;
 constexpr double kShareOfZeros = 0.08;
 
-/// fn(band, component, row) for all rows.
+/// fn(band, component, row) for all rows of bands from `first_band` on.
 template <class Function>
-void for_all_rows(const Pyramid<double>& pyramid, Function fn) {
-    for (std::size_t k = 0; k < pyramid.bands.size(); ++k)
+void for_all_rows(const Pyramid<double>& pyramid, std::size_t first_band, Function fn) {
+    for (std::size_t k = first_band; k < pyramid.bands.size(); ++k)
         for (std::size_t p = 0; p < pyramid.bands[k].size(); ++p)
             parallel_for(0, pyramid.bands[k][p].rows(), 64,
                          [&](std::int64_t first, std::int64_t last) {
@@ -29,8 +29,8 @@ void for_all_rows(const Pyramid<double>& pyramid, Function fn) {
 }
 
 void quantise_into(const Pyramid<double>& pyramid, const PyramidCoding& coding,
-                   Pyramid<double>& quantised) {
-    for_all_rows(pyramid, [&](std::size_t k, std::size_t p, std::int64_t r) {
+                   std::size_t first_band, Pyramid<double>& quantised) {
+    for_all_rows(pyramid, first_band, [&](std::size_t k, std::size_t p, std::int64_t r) {
         const double step = coding.step_of(pyramid.layout, k);
         const double mean = k == 0 ? coding.means[p] : 0;
         const double* from = pyramid.bands[k][p].row(r);
@@ -58,11 +58,15 @@ double residual_of(const Target& target, multires::Planes<double>& surface) {
 
 }  // namespace
 
-void refit_quantised(Pyramid<double>& pyramid, const PyramidCoding& coding, const Target& target) {
+void refit_quantised(Pyramid<double>& pyramid, const PyramidCoding& coding, const Target& target,
+                     std::size_t first_band) {
     auto quantised = Pyramid<double>::allocate(pyramid.layout);
+    for (std::size_t k = 0; k < first_band; ++k)
+        for (std::size_t p = 0; p < pyramid.bands[k].size(); ++p)
+            quantised.bands[k][p] = pyramid.bands[k][p].clone();
     double least = std::numeric_limits<double>::infinity();
     for (int round = 0; round < kRounds; ++round) {
-        quantise_into(pyramid, coding, quantised);
+        quantise_into(pyramid, coding, first_band, quantised);
         multires::Planes<double> residual = multires::synthesise(quantised);
         const double error = residual_of(target, residual);
         if (error > least) return;  // it would diverge
@@ -70,7 +74,7 @@ void refit_quantised(Pyramid<double>& pyramid, const PyramidCoding& coding, cons
         std::vector<GridView<const double>> views;
         for (const Grid<double>& plane : residual) views.push_back(plane.view());
         const auto gradient = multires::adjoint<double>(pyramid.layout, views);
-        for_all_rows(pyramid, [&](std::size_t k, std::size_t p, std::int64_t r) {
+        for_all_rows(pyramid, first_band, [&](std::size_t k, std::size_t p, std::int64_t r) {
             const double norm = pyramid.layout.bands[k].norm_samples;
             const double* g = gradient.bands[k][p].row(r);
             const double* q = quantised.bands[k][p].row(r);

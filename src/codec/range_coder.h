@@ -117,12 +117,8 @@ class RangeDecoder {
     bool code(bool, std::uint32_t one) {
         const std::uint64_t cut = (range_ >> 16) * one;
         const bool bit = offset_ < cut;
-        if (bit) {
-            range_ = cut;
-        } else {
-            offset_ -= cut;
-            range_ -= cut;
-        }
+        offset_ -= bit ? 0 : cut;  // selected, not branched to: bits are hard to foresee
+        range_ = bit ? cut : range_ - cut;
         renormalise();
         return bit;
     }
@@ -163,6 +159,44 @@ class RangeDecoder {
     std::size_t consumed_ = 0;
     std::uint64_t offset_ = 0;  ///< of the code value from the encoder's low
     std::uint64_t range_ = ~std::uint64_t{0};
+};
+
+/// An encoder that remembers its decisions, to compare them with what its bytes decode to.
+class CheckedEncoder {
+  public:
+    static constexpr bool kDecodes = false;
+
+    bool code(bool bit, std::uint32_t one) {
+        decisions_.push_back({static_cast<std::uint16_t>(one), 0, bit});
+        return encoder_.code(bit, one);
+    }
+    std::uint32_t code_raw(std::uint32_t value, int count) {
+        decisions_.push_back(
+            {static_cast<std::uint16_t>(value), static_cast<std::uint8_t>(count), false});
+        return encoder_.code_raw(value, count);
+    }
+
+    std::vector<std::uint8_t> finish() { return encoder_.finish(); }
+
+    /// Whether a decoder that asks the same questions gets the same answers.
+    [[nodiscard]] bool decodes_from(std::span<const std::uint8_t> bytes) const {
+        RangeDecoder decoder(bytes);
+        bool same = true;
+        for (const Decision& decision : decisions_)
+            same &= decision.count == 0 ? decoder.code(false, decision.number) == decision.bit
+                                        : decoder.code_raw(0, decision.count) == decision.number;
+        return same && decoder.at_end();
+    }
+
+  private:
+    struct Decision {
+        std::uint16_t number;  ///< the probability, or the value of raw bits
+        std::uint8_t count;    ///< of raw bits; 0: one decision
+        bool bit;
+    };
+
+    RangeEncoder encoder_;
+    std::vector<Decision> decisions_;
 };
 
 /// Adds up what the decisions would cost.

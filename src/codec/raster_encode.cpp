@@ -7,6 +7,7 @@
 #include "codec/lattice_encode.h"
 #include "codec/lattice_margin.h"
 #include "codec/pyramid_encode.h"
+#include "codec/pyramid_tiles.h"
 #include "codec/raster_header.h"
 #include "relief/codec/raster_codec.h"
 #include "relief/core/parallel.h"
@@ -23,7 +24,8 @@ using multires::SchemeSpec;
 /// samples.
 constexpr double kOpenLoopBits = 1;
 constexpr std::int64_t kOpenLoopSamples = std::int64_t{1} << 23;
-constexpr std::size_t kCopyBlock = std::size_t{1} << 20;
+/// Larger rasters are coded in tiles by the open loop, where it can.
+constexpr std::int64_t kWholeSamples = std::int64_t{1} << 20;
 
 Status check(const RasterSource& source, const Goal& goal) {
     const auto refuse = [](std::string what) {
@@ -87,18 +89,7 @@ class LatticeWriter {
     /// Of the file; known once it is encoded.
     [[nodiscard]] const EncodeReport& report() const { return report_; }
 
-    Status write() {
-        RELIEF_CHECK(sink_.write(head_));
-        Bytes block;
-        for (const SpooledChunk& chunk : encoding_.chunks)
-            for (std::uint64_t at = 0; at < chunk.info.length; at += block.size()) {
-                block.resize(static_cast<std::size_t>(
-                    std::min<std::uint64_t>(kCopyBlock, chunk.info.length - at)));
-                RELIEF_CHECK(spool_.read(chunk.place + at, block));
-                RELIEF_CHECK(sink_.write(block));
-            }
-        return {};
-    }
+    Status write() { return file_->copy_to(sink_); }
 
   private:
     Status make_head() {
@@ -116,9 +107,9 @@ class LatticeWriter {
         header.spec = {.id = SchemeId::Fvs,
                        .levels = TileTree(header.lattice_rows(), header.lattice_cols()).levels()};
 
-        std::vector<ChunkInfo> chunks(1);  // no edits
-        for (const SpooledChunk& chunk : encoding.chunks) chunks.push_back(chunk.info);
-        RELIEF_TRY(head_, container_head(write_header(header), chunks));
+        std::vector<SpooledChunk> chunks(1);  // no edits
+        chunks.insert(chunks.end(), encoding.chunks.begin(), encoding.chunks.end());
+        RELIEF_TRY(file_, SpooledFile::create(write_header(header), std::move(chunks), spool_));
 
         report_.spec = header.spec;
         report_.closed_loop = true;
@@ -128,8 +119,7 @@ class LatticeWriter {
         report_.coefficients = report_.samples;
         report_.kept = encoding.nonzero;
         report_.corrected = encoding.repairs;
-        report_.bytes = head_.size();
-        for (const SpooledChunk& chunk : encoding.chunks) report_.bytes += chunk.info.length;
+        report_.bytes = file_->size();
         report_.bits_per_sample =
             8.0 * static_cast<double>(report_.bytes) / static_cast<double>(report_.samples);
         report_.max_error = header.max_error;
@@ -146,7 +136,7 @@ class LatticeWriter {
     ByteSink& sink_;
     Spool& spool_;
     LatticeEncoding encoding_;
-    Bytes head_;
+    std::shared_ptr<const SpooledFile> file_;
     EncodeReport report_;
 };
 
@@ -196,6 +186,10 @@ Result<EncodeReport> encode_raster(const RasterSource& source, const EncodeOptio
         }
         spec = {.id = SchemeId::Cubic};
     }
+    const Raster& about = source.description();
+    if (about.rows * about.cols * source.components() > kWholeSamples &&
+        fits_tiles(about, source.components(), spec, options.goal))
+        return encode_tiles(source, spec, options, sink, spool);
     RELIEF_TRY(const EncodedRaster encoded, encode_open(source, spec, options));
     RELIEF_CHECK(sink.write(encoded.bytes));
     return encoded.report;
@@ -214,7 +208,7 @@ Result<double> detail_energy(const Raster& raster, const SchemeSpec& spec) {
     if (spec.id != SchemeId::Fvs) return pyramid_energy(raster, spec);
     const MemoryRaster source(raster);
     RELIEF_TRY(const Survey seen, survey(source, {}));
-    return coarse_energy(raster, 0, seen, source.description());
+    return coarse_energy(view_of(raster), 0, seen, source.description());
 }
 
 }  // namespace relief::codec

@@ -38,14 +38,6 @@ std::vector<Group> groups_of(const multires::PyramidLayout& layout, const TileTr
     return groups;
 }
 
-LatticeBox common(const LatticeBox& a, const LatticeBox& b) {
-    const std::int64_t row0 = std::max(a.row0, b.row0);
-    const std::int64_t col0 = std::max(a.col0, b.col0);
-    const std::int64_t rows = std::min(a.row0 + a.rows, b.row0 + b.rows) - row0;
-    const std::int64_t cols = std::min(a.col0 + a.cols, b.col0 + b.cols) - col0;
-    return {row0, col0, std::max<std::int64_t>(rows, 0), std::max<std::int64_t>(cols, 0)};
-}
-
 }  // namespace
 
 StreamLayout::StreamLayout(const multires::PyramidLayout& layout)
@@ -118,7 +110,7 @@ std::vector<BandPart> StreamLayout::parts(std::size_t stream) const {
     for (std::size_t k = 0; k < layout_.bands.size(); ++k) {
         const multires::BandLayout& band = layout_.bands[k];
         if (band.level > group.coarsest || band.level < group.finest) continue;
-        parts.push_back({k, common(band.box, range(group.tier, number, band.level))});
+        parts.push_back({k, intersection(band.box, range(group.tier, number, band.level))});
     }
     return parts;
 }
@@ -126,10 +118,16 @@ std::vector<BandPart> StreamLayout::parts(std::size_t stream) const {
 std::vector<std::size_t> StreamLayout::meeting(std::size_t group, int level,
                                                const LatticeBox& box) const {
     const Group& g = groups_[group];
+    const int shift = level - TileTree::kTierLevels * g.tier;
+    const LatticeBox tiles = tree_.tiles_meeting(
+        g.tier, {box.row0 << shift, box.col0 << shift, box.rows << shift, box.cols << shift});
     std::vector<std::size_t> met;
-    for (std::int64_t number = 0; number < tree_.tier(g.tier).tiles(); ++number)
-        if (common(range(g.tier, number, level), box).count() != 0)
-            met.push_back(stream(g, number));
+    for (std::int64_t i = tiles.row0; i < tiles.row0 + tiles.rows; ++i)
+        for (std::int64_t j = tiles.col0; j < tiles.col0 + tiles.cols; ++j) {
+            const std::int64_t number = i * tree_.tier(g.tier).tile_cols + j;
+            if (intersection(range(g.tier, number, level), box).count() != 0)
+                met.push_back(stream(g, number));
+        }
     std::sort(met.begin(), met.end());
     return met;
 }
@@ -138,8 +136,8 @@ LatticeBox StreamLayout::samples(std::size_t stream) const {
     const Group& group = groups_[group_of(stream)];
     const int bits = TileTree::kTierLevels * group.tier;
     const LatticeBox box = tree_.box(group.tier, tile(group, stream));
-    return common({box.row0 << bits, box.col0 << bits, box.rows << bits, box.cols << bits},
-                  {0, 0, layout_.rows, layout_.cols});
+    return intersection({box.row0 << bits, box.col0 << bits, box.rows << bits, box.cols << bits},
+                        {0, 0, layout_.rows, layout_.cols});
 }
 
 }  // namespace relief::codec

@@ -48,6 +48,10 @@ class StreamLayout {
     /// The group that holds the details of `level`.
     [[nodiscard]] std::size_t group_of_level(int level) const;
 
+    /// The stream of a group for a tile of its tier, numbered as in TileTree.
+    [[nodiscard]] std::size_t stream_of(std::size_t group, std::int64_t tile) const {
+        return stream(groups_[group], tile);
+    }
     /// The stream with the coefficients that lie over those of `stream`; none for the first ones.
     [[nodiscard]] std::optional<std::size_t> parent(std::size_t stream) const;
     /// The bands of a stream, in the order of the layout, which is the order of coding.

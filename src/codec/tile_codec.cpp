@@ -1,14 +1,16 @@
 #include "codec/tile_codec.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
-#include <cstring>
+#include <iterator>
 #include <string>
 
 #include "codec/bytes.h"
 #include "codec/lattice_base.h"
 #include "codec/lattice_fill.h"
+#include "codec/sample_rows.h"
 #include "relief/codec/mask_coder.h"
 
 namespace relief::codec {
@@ -17,6 +19,8 @@ namespace {
 
 /// Coarser levels of the top tier share one chunk: they are small.
 constexpr int kSmallLevels = 4;
+/// Rows whose errors are added up at the same time.
+constexpr std::int64_t kRowsTogether = 4;
 
 enum class MaskForm : std::uint8_t { AllValid, NoneValid, Coded };
 
@@ -85,13 +89,17 @@ Bytes write_mask(const TileSamples& samples, bool has_valid) {
     return out.take();
 }
 
-/// Same samples and quotients.
-bool equal(const LatticeLevel& a, const LatticeLevel& b) {
+bool same_samples(const LatticeLevel& a, const LatticeLevel& b) {
     for (std::int64_t r = 0; r < a.rows(); ++r)
-        if (!std::equal(a.values.row(r), a.values.row(r) + a.cols(), b.values.row(r)) ||
-            !std::equal(a.quotients.row(r), a.quotients.row(r) + a.cols(), b.quotients.row(r)))
-            return false;
+        if (!std::equal(a.values.row(r), a.values.row(r) + a.cols(), b.values.row(r))) return false;
     return true;
+}
+
+Error disagreement(const LatticeBox& box) {
+    return {ErrorCode::BadInput,
+            "what was written does not decode to what was meant; the machine or this program is at "
+            "fault",
+            "tile at row " + std::to_string(box.row0) + ", column " + std::to_string(box.col0)};
 }
 
 }  // namespace
@@ -106,8 +114,7 @@ std::int32_t LatticeCoding::step(std::size_t component, int level) const {
 
 void LatticeCoding::stored(std::size_t component, const std::int32_t* v, std::int64_t n,
                            double* out) const {
-    const IntegerDomain& domain = domains[component];
-    for (std::int64_t k = 0; k < n; ++k) out[k] = domain.value(v[k]);
+    value_row(v, n, domains[component], out);
     stored_row(out, n, type, nodata, out);
 }
 
@@ -186,8 +193,9 @@ LatticeLevel TileCodec::begin_level(int level, std::size_t component, LatticeLev
     return next;
 }
 
-Bytes TileCodec::encode_level(int level, std::size_t component,
-                              GridView<const std::int32_t> samples, TileState& state) const {
+Result<Bytes> TileCodec::encode_level(int level, std::size_t component,
+                                      GridView<const std::int32_t> samples,
+                                      TileState& state) const {
     LatticeLevel* coarse = state.levels.size() > component ? &state.levels[component] : nullptr;
     LatticeLevel next = begin_level(level, component, coarse);
     const int shift = level - tier_bit_;
@@ -201,11 +209,14 @@ Bytes TileCodec::encode_level(int level, std::size_t component,
     }
     Bytes bytes;
     if (coarse) {
-        state.codecs[component]->encode(next, samples, bytes);
+        if (!state.codecs[component]->encode(next, samples, bytes)) return disagreement(box_);
         fill_edge_margins(next);
         *coarse = std::move(next);
     } else {
         bytes = encode_base(next, samples);
+        LatticeLevel again = begin_level(level, component, nullptr);
+        if (!decode_base(bytes, again).ok() || !same_samples(next, again))
+            return disagreement(box_);
         state.levels.push_back(std::move(next));
     }
     return bytes;
@@ -232,7 +243,8 @@ LatticeLevel TileCodec::interpolate(int level, std::size_t component, LatticeLev
     return next;
 }
 
-Status TileCodec::read_repairs(ByteReader& in, int level, TileState& state) const {
+Status TileCodec::read_repairs(ByteReader& in, int level,
+                               std::vector<LatticeRepair>& repairs) const {
     const int shift = level - tier_bit_;
     const auto rows = static_cast<std::uint64_t>(level_size(box_.rows, shift));
     const auto cols = static_cast<std::uint64_t>(level_size(box_.cols, shift));
@@ -247,9 +259,8 @@ Status TileCodec::read_repairs(ByteReader& in, int level, TileState& state) cons
         const double value = read_sample(in, coding_.type);
         if (in.failed() || !std::isfinite(value)) return damaged("a repair is not a number");
         const std::uint64_t sample = index % (rows * cols);
-        state.repairs.push_back({index / (rows * cols), level,
-                                 static_cast<std::int64_t>(sample / cols),
-                                 static_cast<std::int64_t>(sample % cols), value});
+        repairs.push_back({index / (rows * cols), level, static_cast<std::int64_t>(sample / cols),
+                           static_cast<std::int64_t>(sample % cols), value});
         ++index;
     }
     return {};
@@ -264,7 +275,7 @@ Status TileCodec::decode_chunk(LevelRange range, std::span<const std::uint8_t> b
             if (in.failed()) return damaged("a level is cut off");
             RELIEF_CHECK(decode_level(level, c, coded, state));
         }
-        RELIEF_CHECK(read_repairs(in, level, state));
+        RELIEF_CHECK(read_repairs(in, level, state.repairs));
     }
     if (!in.rest().empty()) return damaged("bytes are left over");
     return {};
@@ -309,7 +320,7 @@ class TileEncoder {
             beyond_.push_back(coding.domains[c].outliers ? largest_outlier(c) : 0);
     }
 
-    Result<EncodedTile> run(TileState start, TileState check) {
+    Result<EncodedTile> run(TileState start) {
         EncodedTile tile;
         tile.state = std::move(start);
         std::vector<ByteWriter> chunks(ranges_.size());
@@ -319,9 +330,11 @@ class TileEncoder {
         std::vector<std::vector<Bytes>> coded(static_cast<std::size_t>(levels_) + 1);
         for (std::size_t k = 0; k < ranges_.size(); ++k) {
             for (int level = ranges_[k].first; level >= ranges_[k].last; --level) {
-                for (std::size_t c = 0; c < coding_.domains.size(); ++c)
-                    coded[static_cast<std::size_t>(level)].push_back(
-                        codec_.encode_level(level, c, samples_.values[c].view(), tile.state));
+                for (std::size_t c = 0; c < coding_.domains.size(); ++c) {
+                    RELIEF_TRY(Bytes bytes, codec_.encode_level(level, c, samples_.values[c].view(),
+                                                                tile.state));
+                    coded[static_cast<std::size_t>(level)].push_back(std::move(bytes));
+                }
             }
             if (k + 1 < ranges_.size()) note_error_without(tile);
         }
@@ -333,7 +346,7 @@ class TileEncoder {
             tile.chunks.push_back(chunks[k].take());
         }
         tile.repairs = static_cast<std::int64_t>(tile.state.repairs.size());
-        if (care_ != TileCare::Trial) RELIEF_CHECK(verify(tile, std::move(check)));
+        if (!reads_back(tile, coded)) return disagreement(codec_.box());
         return tile;
     }
 
@@ -345,10 +358,10 @@ class TileEncoder {
     /// The largest distance of a sample from what its integer stands for.
     [[nodiscard]] double largest_outlier(std::size_t component) const {
         const IntegerDomain& domain = coding_.domains[component];
-        const Grid<double>& originals = samples_.originals[component];
+        const GridView<const double>& originals = samples_.originals[component];
         double largest = 0;
-        for (std::int64_t r = 0; r < originals.rows(); ++r)
-            for (std::int64_t c = 0; c < originals.cols(); ++c)
+        for (std::int64_t r = 0; r < originals.rows; ++r)
+            for (std::int64_t c = 0; c < originals.cols; ++c)
                 if (is_valid(r, c))
                     largest = std::max(
                         largest,
@@ -356,23 +369,33 @@ class TileEncoder {
         return largest;
     }
 
-    /// Decodes what was written.
-    Status verify(const EncodedTile& tile, TileState state) const {
-        bool same = true;
-        for (std::size_t k = 0; k < ranges_.size() && same; ++k) {
+    /// Whether the chunks hold the mask, the levels and the repairs that they should.
+    bool reads_back(const EncodedTile& tile, const std::vector<std::vector<Bytes>>& coded) const {
+        for (std::size_t k = 0; k < ranges_.size(); ++k) {
             std::span<const std::uint8_t> bytes(tile.chunks[k]);
-            if (k == 0) same = same_mask(bytes);
-            same = same && codec_.decode_chunk(ranges_[k], bytes, state).ok();
+            if (k == 0 && !same_mask(bytes)) return false;
+            ByteReader in(bytes);
+            for (int level = ranges_[k].first; level >= ranges_[k].last; --level) {
+                for (const Bytes& expected : coded[static_cast<std::size_t>(level)]) {
+                    const auto found = in.take(in.varint());
+                    if (!std::equal(found.begin(), found.end(), expected.begin(), expected.end()))
+                        return false;
+                }
+                std::vector<LatticeRepair> repairs;
+                if (!codec_.read_repairs(in, level, repairs).ok() ||
+                    repairs != repairs_of(tile.state, level))
+                    return false;
+            }
+            if (in.failed() || !in.rest().empty()) return false;
         }
-        for (std::size_t c = 0; c < state.levels.size() && same; ++c)
-            same = equal(state.levels[c], tile.state.levels[c]);
-        same = same && state.repairs.size() == tile.state.repairs.size();
-        if (same) return {};
-        return Error{ErrorCode::BadInput,
-                     "what was written does not decode to what was meant; the machine or this "
-                     "program is at fault",
-                     "tile at row " + std::to_string(codec_.box().row0) + ", column " +
-                         std::to_string(codec_.box().col0)};
+        return true;
+    }
+
+    static std::vector<LatticeRepair> repairs_of(const TileState& state, int level) {
+        std::vector<LatticeRepair> repairs;
+        std::copy_if(state.repairs.begin(), state.repairs.end(), std::back_inserter(repairs),
+                     [level](const LatticeRepair& repair) { return repair.level == level; });
+        return repairs;
     }
 
     bool same_mask(std::span<const std::uint8_t>& bytes) const {
@@ -405,67 +428,65 @@ class TileEncoder {
             if (known.level == finest_) continue;
             LatticeLevel filled;
             LatticeLevel* from = &known;
-            for (int level = known.level - 1; level >= finest_; --level) {
+            for (int level = known.level - 1; level > finest_; --level) {
                 filled = codec_.interpolate(level, c, *from);
                 from = &filled;
             }
-            largest = std::max(largest, largest_difference(filled, c));
+            const std::int32_t off =
+                largest_filling_error(*from, samples_.values[c].view(), samples_.valid);
+            // Conversion of samples to integers is half a unit off at most, but for outliers.
+            const IntegerDomain& domain = coding_.domains[c];
+            largest = std::max(largest, domain.unit * (static_cast<double>(off) + 0.5) +
+                                            domain.rounding + beyond_[c]);
         }
         tile.coarse_errors.push_back(largest);
     }
 
-    double largest_difference(const LatticeLevel& level, std::size_t component) const {
-        std::int64_t largest = 0;
-        for (std::int64_t r = 0; r < level.rows(); ++r) {
-            const std::int32_t* have = level.values.row(r);
-            const std::int32_t* want = samples_.values[component].row(r);
-            const std::uint8_t* valid = level.valid.row(r);
-            std::int32_t row_largest = 0;
-            for (std::int64_t c = 0; c < level.cols(); ++c) {
-                const std::int32_t difference = valid[c] ? std::abs(have[c] - want[c]) : 0;
-                row_largest = std::max(row_largest, difference);
-            }
-            largest = std::max<std::int64_t>(largest, row_largest);
-        }
-        // Conversion of samples to integers is half a unit off at most, but for outliers.
-        const IntegerDomain& domain = coding_.domains[component];
-        return domain.unit * (static_cast<double>(largest) + 0.5) + domain.rounding +
-               beyond_[component];
+    /// Null: all samples of the row are valid.
+    [[nodiscard]] const std::uint8_t* valid_row(std::int64_t r) const {
+        return samples_.valid.empty() ? nullptr : samples_.valid.row(r);
     }
 
     /// Errors of the decoded samples; those over the bound become repairs.
     void measure(EncodedTile& tile) const {
         const LatticeBox& box = codec_.box();
+        Grid<double> errors(kRowsTogether, box.cols, 0);
         std::vector<double> stored(static_cast<std::size_t>(box.cols));
-        for (std::size_t c = 0; c < coding_.domains.size(); ++c) {
-            const LatticeLevel& level = tile.state.levels[c];
-            for (std::int64_t r = 0; r < box.rows; ++r) {
-                coding_.stored(c, level.values.row(r), box.cols, stored.data());
-                measure_row(tile, c, r, stored.data());
+        for (std::size_t c = 0; c < coding_.domains.size(); ++c)
+            for (std::int64_t row = 0; row < box.rows; row += kRowsTogether) {
+                const std::int64_t rows = std::min(kRowsTogether, box.rows - row);
+                for (std::int64_t k = 0; k < rows; ++k)
+                    measure_row(tile, c, row + k, stored.data(), errors.row(k));
+                if (bound_ > 0) add_squares(errors, rows, tile.error.square);
             }
-        }
     }
 
-    void measure_row(EncodedTile& tile, std::size_t component, std::int64_t r,
-                     const double* stored) const {
+    void measure_row(EncodedTile& tile, std::size_t component, std::int64_t r, double* stored,
+                     double* errors) const {
+        const std::int64_t cols = codec_.box().cols;
+        const LatticeLevel& level = tile.state.levels[component];
         const double* wanted = samples_.originals[component].row(r);
-        const std::int16_t* quotients = tile.state.levels[component].quotients.row(r);
-        double square = 0;
-        for (std::int64_t c = 0; c < codec_.box().cols; ++c) {
-            if (!is_valid(r, c)) continue;
-            tile.nonzero += quotients[c] != 0;
-            const double error = std::abs(stored[c] - wanted[c]);
-            const bool within =
-                bound_ == 0 ? error == 0 && std::signbit(stored[c]) == std::signbit(wanted[c])
-                            : error <= bound_;
-            if (within) {
-                tile.error.max = std::max(tile.error.max, error);
-                square += error * error;
-            } else {
+        const std::int16_t* quotients = level.quotients.row(r);
+        tile.nonzero += cols - std::count(quotients, quotients + cols, 0);
+        coding_.stored(component, level.values.row(r), cols, stored);
+        RowErrors row = error_row(stored, wanted, valid_row(r), cols, bound_, errors);
+        for (std::int64_t c = 0; c < cols && !row.within; ++c)
+            if (is_valid(r, c) && !is_within(stored[c], wanted[c], bound_)) {
                 repair(tile, component, r, c, wanted[c]);
+                errors[c] = 0;
             }
-        }
-        tile.error.square += square;
+        if (!row.within) row.largest = *std::max_element(errors, errors + cols);
+        tile.error.max = std::max(tile.error.max, row.largest);
+    }
+
+    /// Adds squares, each row's from left to right and then the rows in order. Several rows at a
+    /// time: an addition has to wait for the one before.
+    static void add_squares(const Grid<double>& errors, std::int64_t rows, double& sum) {
+        std::array<double, kRowsTogether> squares{};
+        for (std::int64_t c = 0; c < errors.cols(); ++c)
+            for (std::int64_t k = 0; k < kRowsTogether; ++k)
+                squares[static_cast<std::size_t>(k)] += errors(k, c) * errors(k, c);
+        for (std::int64_t k = 0; k < rows; ++k) sum += squares[static_cast<std::size_t>(k)];
     }
 
     /// Samples of the tier above are repaired there.
@@ -487,16 +508,14 @@ class TileEncoder {
         const int shift = level - finest_;
         const std::int64_t rows = level_size(codec_.box().rows, shift);
         const std::int64_t cols = level_size(codec_.box().cols, shift);
-        std::vector<const LatticeRepair*> repairs;
-        for (const LatticeRepair& repair : state.repairs)
-            if (repair.level == level) repairs.push_back(&repair);
+        const std::vector<LatticeRepair> repairs = repairs_of(state, level);
         out.varint(repairs.size());
         std::int64_t next = 0;
-        for (const LatticeRepair* repair : repairs) {  // in order of component, row and column
-            const auto plane = static_cast<std::int64_t>(repair->component) * rows;
-            const std::int64_t index = (plane + repair->row) * cols + repair->col;
+        for (const LatticeRepair& repair : repairs) {  // in order of component, row and column
+            const auto plane = static_cast<std::int64_t>(repair.component) * rows;
+            const std::int64_t index = (plane + repair.row) * cols + repair.col;
             out.varint(static_cast<std::uint64_t>(index - next));
-            write_sample(out, repair->value, coding_.type);
+            write_sample(out, repair.value, coding_.type);
             next = index + 1;
         }
     }
@@ -517,9 +536,8 @@ class TileEncoder {
 
 Result<EncodedTile> encode_tile(const LatticeCoding& coding, const TileTree& tree, int tier,
                                 std::int64_t tile, const TileSamples& samples, TileState start,
-                                TileState check, double bound, TileCare care) {
-    return TileEncoder(coding, tree, tier, tile, samples, bound, care)
-        .run(std::move(start), std::move(check));
+                                double bound, TileCare care) {
+    return TileEncoder(coding, tree, tier, tile, samples, bound, care).run(std::move(start));
 }
 
 }  // namespace relief::codec

@@ -40,6 +40,7 @@ struct LatticeRepair {
     std::int64_t row = 0;
     std::int64_t col = 0;
     double value = 0;
+    friend bool operator==(const LatticeRepair&, const LatticeRepair&) = default;
 };
 
 /// Which levels stand together in a chunk, coarse to fine: `first` >= `last`. `first` is levels()
@@ -72,9 +73,11 @@ class TileCodec {
     [[nodiscard]] const LatticeBox& box() const { return box_; }
 
     /// Codes `level` of one component behind `state`, which moves on to it.
-    /// `samples`: of the whole box.
-    [[nodiscard]] Bytes encode_level(int level, std::size_t component,
-                                     GridView<const std::int32_t> samples, TileState& state) const;
+    /// `samples`: of the whole box. Errors: BadInput when the bytes, decoded again, do not give
+    /// what was coded (a broken machine).
+    [[nodiscard]] Result<Bytes> encode_level(int level, std::size_t component,
+                                             GridView<const std::int32_t> samples,
+                                             TileState& state) const;
 
     /// Errors: BadFile.
     [[nodiscard]] Status decode_level(int level, std::size_t component,
@@ -90,11 +93,13 @@ class TileCodec {
     [[nodiscard]] Status decode_chunk(LevelRange range, std::span<const std::uint8_t> bytes,
                                       TileState& state) const;
 
+    /// Reads the repairs of a level behind those in `repairs`. Errors: BadFile.
+    [[nodiscard]] Status read_repairs(ByteReader& in, int level,
+                                      std::vector<LatticeRepair>& repairs) const;
+
   private:
     [[nodiscard]] LatticeLevel begin_level(int level, std::size_t component,
                                            LatticeLevel* coarse) const;
-    [[nodiscard]] Status read_repairs(ByteReader& in, int level, TileState& state) const;
-
     const LatticeCoding& coding_;
     const Grid<std::uint8_t>& valid_;
     bool has_valid_ = true;
@@ -106,9 +111,9 @@ class TileCodec {
 
 /// The samples of a tile, as its encoder has them.
 struct TileSamples {
-    std::vector<Grid<std::int32_t>> values;  ///< one a component
-    std::vector<Grid<double>> originals;     ///< the same before conversion; may be NaN in holes
-    Grid<std::uint8_t> valid;                ///< has holes; empty: all valid
+    std::vector<Grid<std::int32_t>> values;         ///< one a component
+    std::vector<GridView<const double>> originals;  ///< before conversion; may be NaN in holes
+    Grid<std::uint8_t> valid;                       ///< has holes; empty: all valid
 };
 
 struct TileError {
@@ -127,20 +132,20 @@ struct EncodedTile {
     std::int64_t nonzero = 0;  ///< samples with a quotient that is not zero
 };
 
-/// How much is done about a tile beside writing it. The bytes are the same.
+/// What is found out about a tile beside its bytes.
 enum class TileCare : std::uint8_t {
-    Trial,     ///< nothing
-    Verified,  ///< the bytes are decoded again and compared
-    Measured,  ///< and the coarse_errors are found
+    Verified,  ///< its errors
+    Measured,  ///< and the coarse_errors
 };
 
-/// Encodes a tile; samples that are off by more than `bound` are repaired. `start`: as top_state or
-/// the tier above gives it; `check` the same for the decoder, unless it is a trial. Errors:
-/// BadInput when the decoder disagrees (a broken machine); never otherwise.
+/// Encodes a tile, and decodes the bytes again to the symbols of which its samples are made; these,
+/// in the sample type, are compared with the source, and repaired where they are off by more than
+/// `bound`. `start`: as top_state or the tier above gives it. Errors: BadInput when the decoder
+/// disagrees (a broken machine); never otherwise.
 [[nodiscard]] Result<EncodedTile> encode_tile(const LatticeCoding& coding, const TileTree& tree,
                                               int tier, std::int64_t tile,
                                               const TileSamples& samples, TileState start,
-                                              TileState check, double bound, TileCare care);
+                                              double bound, TileCare care);
 
 /// The mask at the front of a tile's first chunk: rows x cols of its box, empty when all samples
 /// are valid. `bytes` moves on to what follows it. Errors: BadFile.

@@ -13,9 +13,9 @@ std::int64_t tile_count(std::int64_t n) {
     return std::max<std::int64_t>(1, (n + TileTree::kTile / 2) / TileTree::kTile);
 }
 
-/// The tile that holds sample x of n.
+/// The tile, of `count`, that holds sample x; the first or last one for samples beyond them.
 std::int64_t tile_of(std::int64_t x, std::int64_t count) {
-    return std::min(x / TileTree::kTile, count - 1);
+    return std::clamp<std::int64_t>(x / TileTree::kTile, 0, count - 1);
 }
 
 /// Place of (row, col) on the Hilbert curve through a square of 2^order cells a side.

@@ -57,19 +57,6 @@ double stored_integer(double value, double low, double high, std::optional<doubl
     return upwards ? rounded + 1 : rounded - 1;
 }
 
-/// Calls fn(rounding), where rounding(value) is stored_value(value, type, nodata).
-template <class Function>
-void with_rounding(SampleType type, std::optional<double> nodata, Function fn) {
-    if (type == SampleType::Float32)
-        return fn([=](double value) { return stored_float<float>(value, nodata); });
-    if (type == SampleType::Float64)
-        return fn([=](double value) { return stored_float<double>(value, nodata); });
-    const auto [low, high] = sample_range(type);
-    fn([nodata, low = low, high = high](double value) {
-        return stored_integer(value, low, high, nodata);
-    });
-}
-
 }  // namespace
 
 std::string_view sample_type_name(SampleType type) {
@@ -111,15 +98,10 @@ std::pair<double, double> sample_range(SampleType type) {
 }
 
 double stored_value(double value, SampleType type, std::optional<double> nodata) {
-    double stored = 0;
-    with_rounding(type, nodata, [&](auto rounding) { stored = rounding(value); });
-    return stored;
-}
-
-void stored_row(const double* values, std::int64_t n, SampleType type, std::optional<double> nodata,
-                double* out) {
-    with_rounding(type, nodata,
-                  [=](auto rounding) { std::transform(values, values + n, out, rounding); });
+    if (type == SampleType::Float32) return stored_float<float>(value, nodata);
+    if (type == SampleType::Float64) return stored_float<double>(value, nodata);
+    const auto [low, high] = sample_range(type);
+    return stored_integer(value, low, high, nodata);
 }
 
 std::int64_t Raster::valid_count() const {

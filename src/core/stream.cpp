@@ -52,6 +52,34 @@ Raster description_of(const Raster& raster) {
     return description;
 }
 
+std::int64_t RasterView::valid_count() const {
+    if (!mask.data) return rows * cols;
+    std::int64_t count = rows * cols;
+    for (std::int64_t r = 0; r < rows; ++r)
+        count -= std::count(mask.row(r), mask.row(r) + cols, std::uint8_t{0});
+    return count;
+}
+
+RasterView view_of(const Raster& raster, const LatticeBox& window) {
+    const auto part = [&]<class T>(const Grid<T>& grid) {
+        return GridView<const T>(grid.row(window.row0) + window.col0, window.rows, window.cols,
+                                 grid.stride());
+    };
+    RasterView view{.rows = window.rows, .cols = window.cols};
+    for (const Grid<double>& plane : raster.planes) view.planes.push_back(part(plane));
+    if (!raster.mask.empty()) view.mask = part(raster.mask);
+    return view;
+}
+
+RasterView view_of(const Raster& raster) {
+    return view_of(raster, {0, 0, raster.rows, raster.cols});
+}
+
+Result<RasterView> RasterSource::view(const LatticeBox& window, Raster& room) const {
+    RELIEF_TRY(room, read(window));
+    return view_of(room, {0, 0, window.rows, window.cols});
+}
+
 MemoryRaster::MemoryRaster(const Raster& raster)
     : raster_(raster), description_(description_of(raster)) {}
 

@@ -56,7 +56,7 @@ class WrongUsage(Case):
                 self.refuse(2, "encode", self.dem, self.out, f"{goal}={value}",
                             says="must be a number that is not negative")
         self.refuse(2, "encode", self.dem, self.out, "--bytes", 0, says="at least one byte")
-        self.refuse(2, "encode", self.dem, self.out, "--bytes", 100, says="alone take")
+        self.refuse(2, "encode", self.dem, self.out, "--bytes", 40, says="alone take")
 
     def test_unknown_names_list_the_known(self):
         self.refuse(2, "encode", self.dem, self.out, "--scheme", "spline",

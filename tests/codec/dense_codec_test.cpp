@@ -97,7 +97,8 @@ Coded encode(LevelCodec& codec, const Surface& surface, int levels) {
     Coded coded{{}, surface.coarsest(levels)};
     for (int level = levels - 1; level >= 0; --level) {
         LatticeLevel fine = surface.refined(coded.finest);
-        codec.encode(fine, surface.samples_at(level).view(), coded.chunks.emplace_back());
+        EXPECT_TRUE(
+            codec.encode(fine, surface.samples_at(level).view(), coded.chunks.emplace_back()));
         fill_edge_margins(fine);
         coded.finest = std::move(fine);
     }
@@ -421,7 +422,7 @@ TEST(InterpolationRules, TellsWhichRuleHolds) {
         rules.begin_row();
         for (std::int64_t k = 0; k < 5; ++k) {
             found.push_back(rules.find(k));
-            rules.learn(k, 100, {70, 100.5, 150}, 104);
+            rules.learn(k, 100, {140, 201, 300}, 104);  // twice 70, 100.5 and 150
         }
         return found;
     };

@@ -115,7 +115,7 @@ Encoded encode(const Source& s, LevelCodec& codec) {
     for (int l = s.levels - 1; l >= 0; --l) {
         LatticeLevel fine = finer_level(out.levels.back(), s);
         const Samples samples = decimated(s, l);
-        codec.encode(fine, samples.view(), out.chunks.emplace_back());
+        EXPECT_TRUE(codec.encode(fine, samples.view(), out.chunks.emplace_back()));
         out.levels.push_back(std::move(fine));
     }
     return out;
@@ -153,7 +153,7 @@ void expect_round_trip(const Source& s) {
         LatticeLevel fine = finer_level(coarse, s);
         LatticeLevel decoded = finer_level(decoded_coarse, s);
         Chunk chunk;
-        encoder->encode(fine, decimated(s, l).view(), chunk);
+        EXPECT_TRUE(encoder->encode(fine, decimated(s, l).view(), chunk));
         const Status status = decoder->decode(decoded, chunk);
         ASSERT_TRUE(status.ok()) << status.error().text();
         expect_equal(fine, decoded);
@@ -333,6 +333,9 @@ void fill_naively(LatticeLevel& level) {
                 level, r, c, {{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}},
                 {{{-2, -1}, {-2, 1}, {2, -1}, {2, 1}, {-1, -2}, {-1, 2}, {1, -2}, {1, 2}}});
     fill_edge_margins(level);
+    for (std::int64_t r = 0; r < level.rows(); ++r)
+        for (std::int64_t c = 1 - r % 2; c < level.cols(); c += 2 - r % 2)
+            level.quotients(r, c) = 0;
 }
 
 TEST(FillLevel, IsTheFormulaSampleBySample) {
@@ -352,6 +355,34 @@ TEST(FillLevel, IsTheFormulaSampleBySample) {
                 set_simd_enabled(true);
                 expect_equal(expected, filled);
                 expect_equal(expected, scalar);
+            }
+}
+
+/// Errors found row by row are those of the filled level, with holes and without.
+TEST(FillLevel, LargestErrorIsThatOfTheLevel) {
+    for (const std::uint32_t holes : {0U, 5U})
+        for (const std::int64_t rows : {1, 2, 7, 64, 81})
+            for (const std::int64_t cols : {1, 2, 8, 33, 150}) {
+                Source s = make_source(
+                    {.rows = rows, .cols = cols, .levels = 1, .noise = 50, .holes = holes});
+                for (std::int64_t r = 0; r < rows; ++r)
+                    for (std::int64_t c = 0; c < cols; ++c)
+                        s.samples(r, c) = s.mask(r, c) ? s.samples(r, c) - s.lowest : 0;
+                s.highest -= s.lowest;
+                s.lowest = 0;
+                LatticeLevel coarse = coarsest_level(s);
+                LatticeLevel filled = finer_level(coarse, s);
+                fill_level(filled);
+                std::int32_t expected = 0;
+                for (std::int64_t r = 0; r < rows; ++r)
+                    for (std::int64_t c = 0; c < cols; ++c)
+                        if (s.mask(r, c))
+                            expected =
+                                std::max(expected, std::abs(filled.values(r, c) - s.samples(r, c)));
+                const Mask none;
+                EXPECT_EQ(largest_filling_error(coarse, s.samples.view(), holes ? s.mask : none),
+                          expected)
+                    << rows << " x " << cols;
             }
 }
 

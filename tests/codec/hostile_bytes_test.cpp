@@ -91,7 +91,7 @@ Bytes coded_levels(const Bytes& shape_bytes) {
             for (std::int64_t c = 0; c < next.cols(); ++c)
                 source(r, c) = static_cast<std::int32_t>(40 * (r % 7) + c + shape.noise(c, r) % 9);
         Bytes coded;
-        codec->encode(next, source.view(), coded);
+        EXPECT_TRUE(codec->encode(next, source.view(), coded));
         append_part(seed, coded);
         fill_edge_margins(next);
         level = std::move(next);
@@ -196,7 +196,7 @@ TEST(HostileBytes, HeaderMembersOutOfRangeAreNamed) {
              {"/components", "5", "components"},
              {"/components", "4294967297", "components"},
              {"/type", "\"int128\"", "int128"},
-             {"/mask", "false", "mask"},
+             {"/mask", "false", "chunks"},
              {"/mask", "1", "mask"},
              {"/scheme/levels", "4294967298", "levels"},
              {"/scheme/levels", "-1", "levels"},

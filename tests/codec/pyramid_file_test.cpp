@@ -1,5 +1,6 @@
 #include <mutex>
 
+#include "landscape.h"
 #include "relief/codec/container.h"
 #include "relief/codec/measure.h"
 #include "relief/codec/raster_codec.h"
@@ -12,35 +13,6 @@ namespace {
 
 using multires::SchemeId;
 using Kind = Goal::Kind;
-
-/// Terrain: noise on lattices of spacing 2^k, larger on coarser ones, interpolated.
-Raster landscape(std::int64_t rows, std::int64_t cols, int components = 1) {
-    Raster raster;
-    raster.rows = rows;
-    raster.cols = cols;
-    raster.type = SampleType::Float32;
-    for (int p = 0; p < components; ++p) {
-        Grid<double> plane(rows, cols, 900.0);
-        for (int k = 0; k < 8; ++k) {
-            const auto nodes =
-                test::noise_grid<double>((rows >> k) + 2, (cols >> k) + 2, 9 * k + p);
-            const double height = 3 * std::pow(1.7, k);
-            for (std::int64_t r = 0; r < rows; ++r)
-                for (std::int64_t c = 0; c < cols; ++c) {
-                    const double y = std::ldexp(double(r), -k) - double(r >> k);
-                    const double x = std::ldexp(double(c), -k) - double(c >> k);
-                    const auto along = [&](std::int64_t i) {
-                        return (1 - x) * nodes(i, c >> k) + x * nodes(i, (c >> k) + 1);
-                    };
-                    plane(r, c) += height * ((1 - y) * along(r >> k) + y * along((r >> k) + 1));
-                }
-        }
-        for (std::int64_t r = 0; r < rows; ++r)
-            for (std::int64_t c = 0; c < cols; ++c) plane(r, c) = static_cast<float>(plane(r, c));
-        raster.planes.push_back(std::move(plane));
-    }
-    return raster;
-}
 
 /// 2 x 2 tiles of tier 0 and one of tier 1.
 const Raster& large() {
@@ -169,7 +141,7 @@ TEST(PyramidFile, DamageCostsATileAndIsNamed) {
     const ContainerReader container = *ContainerReader::open(large_file());
     const Raster whole = *RasterFile::open(large_file())->decode(0);
     int hurt = 0;
-    for (std::size_t k = 2; k < container.chunks().size(); k += 5) {
+    for (std::size_t k = 1; k < container.chunks().size(); k += 5) {
         const ChunkInfo& chunk = container.chunks()[k];
         if (chunk.length == 0) continue;
         Bytes bytes = large_file();
@@ -178,7 +150,7 @@ TEST(PyramidFile, DamageCostsATileAndIsNamed) {
         ASSERT_TRUE(file.ok());
         EXPECT_FALSE(file->checksums_ok());
         const auto decoded = file->decode_window(0, {0, 0, whole.rows, whole.cols});
-        if (k == 2) {
+        if (k == 1) {
             EXPECT_EQ(decoded.error().code, ErrorCode::BadFile);
             continue;
         }

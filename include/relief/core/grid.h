@@ -23,6 +23,15 @@ struct LatticeBox {
     friend bool operator==(const LatticeBox&, const LatticeBox&) = default;
 };
 
+/// What two boxes share: no rows or no columns if it is nothing.
+[[nodiscard]] inline LatticeBox intersection(const LatticeBox& a, const LatticeBox& b) {
+    const std::int64_t row0 = std::max(a.row0, b.row0);
+    const std::int64_t col0 = std::max(a.col0, b.col0);
+    const std::int64_t rows = std::min(a.row0 + a.rows, b.row0 + b.rows) - row0;
+    const std::int64_t cols = std::min(a.col0 + a.cols, b.col0 + b.cols) - col0;
+    return {row0, col0, std::max<std::int64_t>(rows, 0), std::max<std::int64_t>(cols, 0)};
+}
+
 /// A view of rows x cols elements; row r starts at data + r * stride. T may be const.
 template <class T>
 struct GridView {

@@ -76,6 +76,26 @@ class MemorySpool final : public Spool {
     Bytes bytes_;
 };
 
+/// Planes and mask of a window of a raster that is kept elsewhere.
+struct RasterView {
+    std::int64_t rows = 0;
+    std::int64_t cols = 0;
+    std::vector<GridView<const double>> planes = {};
+    GridView<const std::uint8_t> mask = {};  ///< without data: all valid
+
+    /// Null: all samples of the row are valid.
+    [[nodiscard]] const std::uint8_t* valid_row(std::int64_t r) const {
+        return mask.data ? mask.row(r) : nullptr;
+    }
+    [[nodiscard]] bool valid(std::int64_t row, std::int64_t col) const {
+        return !mask.data || mask(row, col) != 0;
+    }
+    [[nodiscard]] std::int64_t valid_count() const;
+};
+/// Requires: a window inside the raster, which must outlive the view.
+[[nodiscard]] RasterView view_of(const Raster& raster, const LatticeBox& window);
+[[nodiscard]] RasterView view_of(const Raster& raster);
+
 /// A raster that is read in windows, each perhaps more than once, by several threads.
 class RasterSource {
   public:
@@ -89,6 +109,9 @@ class RasterSource {
     [[nodiscard]] virtual int components() const = 0;
     /// Planes and mask of a window inside the raster; the other members are unspecified.
     [[nodiscard]] virtual Result<Raster> read(const LatticeBox& window) const = 0;
+    /// The same where it lies, if it is in memory, or else read into `room`, which must outlive the
+    /// view.
+    [[nodiscard]] virtual Result<RasterView> view(const LatticeBox& window, Raster& room) const;
 };
 
 /// A raster in memory, which must outlive the source.
@@ -100,6 +123,9 @@ class MemoryRaster final : public RasterSource {
         return static_cast<int>(raster_.planes.size());
     }
     [[nodiscard]] Result<Raster> read(const LatticeBox& window) const override;
+    [[nodiscard]] Result<RasterView> view(const LatticeBox& window, Raster&) const override {
+        return view_of(raster_, window);
+    }
 
   private:
     const Raster& raster_;
