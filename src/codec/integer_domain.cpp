@@ -122,8 +122,7 @@ std::optional<IntegerDomain> make_domain(const SampleStatistics& s, SampleType t
             domain.step |= 1;
         }
     }
-    // Below the type's own steps exactness costs less.
-    domain.floats = !domain.lattice && bound <= rounding && type == SampleType::Float32;
+    domain.floats = !domain.lattice && bound == 0 && type == SampleType::Float32;
     if (domain.floats) {
         domain.unit = rounding;
     } else if (!domain.lattice) {

@@ -35,21 +35,20 @@ struct ParitySurvey {
     Parities rows;  ///< by the row's parity, of neighbours above and below
     Parities cols;
 
-    void add(const Raster& strip, std::size_t component) {
-        const Grid<double>& plane = strip.planes[component];
+    void add(const RasterView& strip, std::size_t component, SampleType type) {
+        const GridView<const double>& plane = strip.planes[component];
         const auto count = [&](Means& means, std::int64_t r, std::int64_t c, std::int64_t dr,
                                std::int64_t dc) {
             if (!strip.valid(r, c) || !strip.valid(r - dr, c - dc) || !strip.valid(r + dr, c + dc))
                 return;
             ++means.all;
-            means.held +=
-                is_mean(plane(r - dr, c - dc), plane(r, c), plane(r + dr, c + dc), strip.type);
+            means.held += is_mean(plane(r - dr, c - dc), plane(r, c), plane(r + dr, c + dc), type);
         };
-        for (std::int64_t r = 0; r < plane.rows(); ++r)
-            for (std::int64_t c = 0; c < plane.cols(); ++c) {
-                if (r > 0 && r + 1 < plane.rows())
+        for (std::int64_t r = 0; r < strip.rows; ++r)
+            for (std::int64_t c = 0; c < strip.cols; ++c) {
+                if (r > 0 && r + 1 < strip.rows)
                     count(rows[static_cast<std::size_t>(r % 2)], r, c, 1, 0);
-                if (c > 0 && c + 1 < plane.cols())
+                if (c > 0 && c + 1 < strip.cols)
                     count(cols[static_cast<std::size_t>(c % 2)], r, c, 0, 1);
             }
     }
@@ -67,9 +66,9 @@ Result<LatticeMargin> choose_margin(const RasterSource& source) {
     const Raster& about = source.description();
     ParitySurvey seen;
     for (const LatticeBox& box : sample_strips(about)) {
-        RELIEF_TRY(Raster strip, source.read(box));
-        strip.type = about.type;
-        for (std::size_t p = 0; p < strip.planes.size(); ++p) seen.add(strip, p);
+        Raster room;
+        RELIEF_TRY(const RasterView strip, source.view(box, room));
+        for (std::size_t p = 0; p < strip.planes.size(); ++p) seen.add(strip, p, about.type);
     }
     return LatticeMargin{about.rows < INT32_MAX ? margin_of(seen.rows) : 0,
                          about.cols < INT32_MAX ? margin_of(seen.cols) : 0};
@@ -79,6 +78,11 @@ RasterWithMargin::RasterWithMargin(const RasterSource& source, LatticeMargin mar
     : source_(source), margin_(margin), description_(description_of(source.description())) {
     description_.rows += margin.rows;
     description_.cols += margin.cols;
+}
+
+Result<RasterView> RasterWithMargin::view(const LatticeBox& window, Raster& room) const {
+    if (margin_ == LatticeMargin()) return source_.view(window, room);
+    return RasterSource::view(window, room);
 }
 
 Result<Raster> RasterWithMargin::read(const LatticeBox& window) const {

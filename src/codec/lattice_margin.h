@@ -8,7 +8,7 @@
 namespace relief::codec {
 
 /// A margin where the samples with even index, along an axis, are much more often the mean of their
-/// two neighbours than those with odd index; else none. Reads up to 512 rows. Errors: of the
+/// two neighbours than those with odd index; else none. Reads 128 rows at most. Errors: of the
 /// source.
 [[nodiscard]] Result<LatticeMargin> choose_margin(const RasterSource& source);
 
@@ -19,6 +19,7 @@ class RasterWithMargin final : public RasterSource {
     [[nodiscard]] const Raster& description() const override { return description_; }
     [[nodiscard]] int components() const override { return source_.components(); }
     [[nodiscard]] Result<Raster> read(const LatticeBox& window) const override;
+    [[nodiscard]] Result<RasterView> view(const LatticeBox& window, Raster& room) const override;
 
   private:
     const RasterSource& source_;

@@ -252,7 +252,8 @@ Result<int> raw_bits_of(const RasterSource& source, std::size_t component,
     std::int64_t octaves = 0;
     std::int64_t count = 0;
     for (const LatticeBox& box : sample_strips(source.description())) {
-        RELIEF_TRY(const Raster strip, source.read(box));
+        Raster room;
+        RELIEF_TRY(const RasterView strip, source.view(box, room));
         std::vector<std::int32_t> v(static_cast<std::size_t>(box.cols));
         for (std::int64_t r = 0; r < box.rows; ++r) {
             integer_row(strip.planes[component].row(r), box.cols, domain, v.data());
@@ -275,8 +276,8 @@ Result<int> raw_bits_of(const RasterSource& source, std::size_t component,
 }  // namespace
 
 std::vector<LatticeBox> sample_strips(const Raster& about) {
-    constexpr std::int64_t most = 8;
-    constexpr std::int64_t rows = 64;
+    constexpr std::int64_t most = 16;
+    constexpr std::int64_t rows = 8;
     const std::int64_t strips = std::min(most, (about.rows + rows - 1) / rows);
     std::vector<LatticeBox> boxes;
     for (std::int64_t k = 0; k < strips; ++k) {
@@ -342,7 +343,9 @@ Result<bool> choose_domains(const RasterSource& source, const Survey& seen, doub
     coding.nodata = source.description().nodata;
     coding.domains.clear();
     for (std::size_t p = 0; p < seen.components.size(); ++p) {
-        RELIEF_TRY(const auto domain, find_domain(source, seen, p, bound));
+        RELIEF_TRY(auto domain, find_domain(source, seen, p, bound));
+        // Bounds below the type's own steps: exactness costs less.
+        if (!domain) domain = make_domain(seen.components[p], coding.type, 0, 0);
         if (!domain) return false;
         coding.domains.push_back(*domain);
         if (coding.profile == Profile::Dense) {

@@ -27,9 +27,12 @@ inline void integer_row_scalar(const double* samples, std::int64_t n, const Inte
                                std::int32_t* out) {
     const double top = domain.highest;
     for (std::int64_t k = 0; k < n; ++k) {
-        double v = (domain.floats ? ordinal_of_float(static_cast<float>(samples[k]))
-                                  : samples[k] / domain.unit) -
-                   domain.origin;
+        double v = samples[k];
+        if (!domain.floats)
+            v /= domain.unit;
+        else if (!std::isnan(v))
+            v = ordinal_of_float(static_cast<float>(v));
+        v -= domain.origin;
         v = v > 0 ? v : 0;  // NaN too
         v = v < top ? v : top;
         out[k] = static_cast<std::int32_t>(v + kNoFraction - kNoFraction);
