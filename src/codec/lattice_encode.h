@@ -21,7 +21,7 @@ struct LatticeOptions {
 struct LatticeEncoding {
     LatticeCoding coding;
     std::vector<SpooledChunk> chunks;  ///< in the order of the file
-    std::int64_t samples = 0;  ///< valid ones
+    std::int64_t samples = 0;          ///< valid ones
     std::int64_t nonzero = 0;
     std::int64_t repairs = 0;
     bool has_holes = false;

@@ -295,8 +295,8 @@ class TiledEncoder {
         if (options_.effort == Effort::Select)
             return find(rough.coding.step, kClosely, Effort::Select, 0.5);
         // Least squares take some per cent off the error.
-        const double refined = by_rms ? kRefinement * rough.coding.step / measure(rough)
-                                      : rough.coding.step;
+        const double refined =
+            by_rms ? kRefinement * rough.coding.step / measure(rough) : rough.coding.step;
         return find(refined, kClosely, options_.effort, 0.5);
     }
 

@@ -154,8 +154,7 @@ bool describe(GDALDatasetH dataset, const Raster& description, std::size_t plane
     const GeoReference& geo = description.geo;
     std::array<double, 6> transform = geo.transform.value_or(std::array<double, 6>{});
     if (geo.transform && GDALSetGeoTransform(dataset, transform.data()) != CE_None) return false;
-    if (!geo.crs.empty() && GDALSetProjection(dataset, geo.crs.c_str()) != CE_None)
-        return false;
+    if (!geo.crs.empty() && GDALSetProjection(dataset, geo.crs.c_str()) != CE_None) return false;
     for (const auto& [name, value] : description.metadata)
         GDALSetMetadataItem(dataset, name.c_str(), value.c_str(), nullptr);
     if (geo.pixel_is_point) GDALSetMetadataItem(dataset, "AREA_OR_POINT", "Point", nullptr);

@@ -165,8 +165,7 @@ TEST(PyramidTiles, Refusals) {
         return encoded.ok() ? std::string() : encoded.error().text();
     };
     Raster raster = landscape(800, 800);
-    EXPECT_NE(error_of(raster, {Kind::Bytes, 40}).find("no file is that small"),
-              std::string::npos);
+    EXPECT_NE(error_of(raster, {Kind::Bytes, 40}).find("no file is that small"), std::string::npos);
     raster.planes[0](790, 3) = HUGE_VAL;
     EXPECT_NE(error_of(raster, {Kind::RmsError, 1}).find("row 790, column 3"), std::string::npos);
     raster.mask = Grid<std::uint8_t>(800, 800, 0);
