@@ -23,6 +23,7 @@ PyramidBlocks::PyramidBlocks(const ContainerReader& container,
       coding_(coding),
       first_chunk_(first_chunk),
       streams_(layout),
+      order_{coding.layers.size(), streams_.streams()},
       capacity_(kFewestKept) {
     const auto across = static_cast<std::size_t>(layout.cols / TileTree::kTile + 1);
     capacity_ += 2 * across * TileTree::kTierLevels;
@@ -164,10 +165,11 @@ Result<PyramidPart> PyramidBlocks::read(const std::vector<LatticeBox>& boxes,
         for (std::size_t k = 0; k < met.size(); ++k) {
             RELIEF_CHECK(states[k]);
             out.fewest_layers = std::min(out.fewest_layers, found[k].first);
-            out.most_layers = std::max(out.most_layers, found[k].first);
+            if (met[k] != 0) out.most_layers = std::max(out.most_layers, found[k].first);
             if (found[k].second) out.damaged.push_back(streams_.samples(met[k]));
         }
     }
+    out.most_layers = std::max(out.most_layers, out.fewest_layers);
     return out;
 }
 

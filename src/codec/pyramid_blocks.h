@@ -17,7 +17,8 @@ namespace relief::codec {
 /// Coefficients that were read.
 struct PyramidPart {
     std::vector<multires::Planes<double>> bands;  ///< [band][component], of the boxes asked for
-    /// How many layers are known of what was read: everywhere at least `fewest`.
+    /// How many layers are known of what was read: everywhere at least `fewest`. Of several streams
+    /// the first does not count for the most: it stands before all layers of the others.
     std::size_t fewest_layers = 0;
     std::size_t most_layers = 0;
     std::vector<LatticeBox> damaged = {};  ///< parts of the raster whose chunks are bad
@@ -34,8 +35,14 @@ class PyramidBlocks {
 
     [[nodiscard]] const StreamLayout& streams() const { return streams_; }
     [[nodiscard]] std::size_t chunk(std::size_t layer, std::size_t stream) const {
-        return first_chunk_ + layer * streams_.streams() + stream;
+        return first_chunk_ + order_.place(layer, stream);
     }
+    /// The last chunk of a layer.
+    [[nodiscard]] std::size_t end_of(std::size_t layer) const {
+        return first_chunk_ + order_.end_of(layer);
+    }
+    /// Behind all of them.
+    [[nodiscard]] std::size_t end() const { return first_chunk_ + order_.count(); }
 
     /// boxes[k] is what is wanted of band k, inside it; empty ones are not read. What chunks do not
     /// tell is taken to be as probable as zero. Details of `finest_level` and finer ones are not
@@ -65,6 +72,7 @@ class PyramidBlocks {
     const PyramidCoding& coding_;
     std::size_t first_chunk_;
     StreamLayout streams_;
+    ChunkOrder order_;
     std::size_t capacity_;
     mutable std::mutex mutex_;
     mutable std::list<std::pair<std::size_t, BlockPointer>> recent_;  ///< the latest used first

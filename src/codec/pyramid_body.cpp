@@ -115,8 +115,7 @@ class PyramidBody final : public RasterBody {
         const auto& groups = blocks_.streams().groups();
         int level = layout_.levels();
         for (const StreamLayout::Group& group : groups) {
-            if (!container_.complete(blocks_.chunk(layers_ - 1, group.first + group.count - 1)))
-                break;
+            if (!container_.complete(last_chunk(group))) break;
             level = std::max(group.finest - 1, 0);
         }
         return level;
@@ -131,8 +130,12 @@ class PyramidBody final : public RasterBody {
         if (level >= finest_level()) return bound_of(level, layers_, layers_);
         // Known if the prefix ends with a layer.
         std::size_t layer = 0;
-        while (container_.complete(blocks_.chunk(layer + 1, 0) - 1)) ++layer;
-        const bool begun = container_.complete(blocks_.chunk(layer, 0));
+        while (layer < layers_ && container_.complete(blocks_.end_of(layer))) ++layer;
+        if (layer == 0) return bound_of(level, 0, layers_);
+        bool begun = false;  // chunks that say nothing are always there
+        const std::size_t end = container_.complete_chunks();
+        for (std::size_t k = blocks_.end_of(layer - 1) + 1; k < end; ++k)
+            begun = begun || container_.chunks()[k].length > 0;
         return bound_of(level, layer, begun ? layers_ : layer);
     }
 
@@ -140,7 +143,7 @@ class PyramidBody final : public RasterBody {
         const StreamLayout& streams = blocks_.streams();
         const StreamLayout::Group& group =
             streams.groups()[streams.group_of_level(std::min(level + 1, layout_.levels()))];
-        std::size_t last = blocks_.chunk(layers_ - 1, group.first + group.count - 1);
+        std::size_t last = last_chunk(group);
         if (level == 0) last = correction_chunk();
         const ChunkInfo& chunk =
             container_.chunks()[std::min(last, container_.complete_chunks() - 1)];
@@ -171,10 +174,13 @@ class PyramidBody final : public RasterBody {
             if (sum.bytes > 0) all.push_back(sum);
         };
         add("mask", 0, kFirstMask, static_cast<std::size_t>(mask_chunks(header_, layout_)));
+        const auto& groups = blocks_.streams().groups();
         for (std::size_t layer = 0; layer < layers_; ++layer)
-            for (const StreamLayout::Group& group : blocks_.streams().groups())
-                add(group.first == 0 ? "scaling" : "details", group.finest,
-                    blocks_.chunk(layer, group.first), group.count);
+            add("scaling", groups[0].finest, blocks_.chunk(layer, 0), 1);
+        for (std::size_t layer = 0; layer < layers_; ++layer)
+            for (std::size_t g = 1; g < groups.size(); ++g)
+                add("details", groups[g].finest, blocks_.chunk(layer, groups[g].first),
+                    groups[g].count);
         add("correction", 0, correction_chunk(), 1);
         return all;
     }
@@ -194,7 +200,10 @@ class PyramidBody final : public RasterBody {
         std::vector<LatticeBox> damaged = {};
     };
 
-    [[nodiscard]] std::size_t correction_chunk() const { return blocks_.chunk(layers_, 0); }
+    [[nodiscard]] std::size_t last_chunk(const StreamLayout::Group& group) const {
+        return blocks_.chunk(layers_ - 1, group.first + group.count - 1);
+    }
+    [[nodiscard]] std::size_t correction_chunk() const { return blocks_.end(); }
     [[nodiscard]] bool corrected(int level) const {
         return level == 0 && container_.chunks()[correction_chunk()].length > 0 &&
                container_.complete(correction_chunk());
@@ -217,7 +226,7 @@ class PyramidBody final : public RasterBody {
             return header_.goal.kind == Goal::Kind::MaxError ? header_.goal.value
                                                              : header_.max_error;
         if (level > 0 || fewest != most || fewest == 0) return unknown;
-        return container_.chunks()[blocks_.chunk(fewest, 0) - 1].bound;
+        return container_.chunks()[blocks_.end_of(fewest - 1)].bound;
     }
 
     [[nodiscard]] Result<PyramidPart> read(const std::vector<LatticeBox>& boxes,

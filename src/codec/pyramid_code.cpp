@@ -56,7 +56,7 @@ std::size_t bytes_down_to(const EmbeddedStream& stream, int plane) {
     return stream.ends[3 * static_cast<std::size_t>(stream.planes - plane) - 1].bytes;
 }
 
-std::size_t size_down_to(const std::vector<CodedStream>& streams, int plane) {
+std::size_t size_down_to(std::span<const CodedStream> streams, int plane) {
     std::size_t size = 0;
     for (const CodedStream& components : streams)
         for (const EmbeddedStream& stream : components) size += bytes_down_to(stream, plane);
@@ -160,8 +160,13 @@ PyramidCoding fine_coding(const multires::Pyramid<double>& pyramid,
     return coding;
 }
 
-void reconstruct(const QuantisedPyramid& quantised, const PyramidCoding& coding, int plane,
+void reconstruct(const QuantisedPyramid& quantised, const PyramidCoding& coding, int layer_plane,
                  int finest_level, multires::Pyramid<double>& out) {
+    const std::vector<StreamLayout::Group> groups = StreamLayout(out.layout).groups();
+    // The only stream has layers like others; the first of several is whole before their first.
+    const auto is_whole = [&](const multires::BandLayout& band) {
+        return groups.size() > 1 && band.level >= groups[0].finest;
+    };
     for (std::size_t k = 0; k < out.bands.size(); ++k)
         for (std::size_t c = 0; c < out.bands[k].size(); ++c) {
             GridView<double> band = out.bands[k][c].view();
@@ -172,6 +177,7 @@ void reconstruct(const QuantisedPyramid& quantised, const PyramidCoding& coding,
                 continue;
             }
             const Grid<std::int32_t>& values = quantised.values[k][c];
+            const int plane = is_whole(out.layout.bands[k]) ? 0 : layer_plane;
             const Grid<std::int32_t> known = plane > 0 ? cut_off(values, plane) : Grid<int>();
             reconstruct_band<double>(plane > 0 ? known.view() : values.view(), {plane, 3},
                                      coding.step_of(out.layout, k), band);
@@ -222,12 +228,13 @@ Result<std::vector<CodedStream>> encode_streams(const multires::PyramidLayout& l
     return coded;
 }
 
-std::vector<int> choose_layers(const std::vector<CodedStream>& streams) {
+std::vector<int> choose_layers(const std::vector<CodedStream>& all) {
+    const std::span<const CodedStream> streams = std::span(all).subspan(all.size() > 1 ? 1 : 0);
+    std::vector<int> layers{0};
     const auto begun = [](int plane) {
         return [plane](const EmbeddedStream& stream) { return stream.planes > plane; };
     };
-    std::vector<int> layers{0};
-    double share = kLayerShare * static_cast<double>(size_down_to(streams, 0));
+    double share = kLayerShare * static_cast<double>(size_down_to(all, 0));
     double below = static_cast<double>(size_down_to(streams, 0));
     for (int plane = 1; plane < kMostPlanes; ++plane) {
         const auto size = static_cast<double>(size_down_to(streams, plane));
@@ -263,9 +270,11 @@ Bytes chunk_of(const CodedStream& components, const std::vector<int>& layers, st
 
 std::vector<Bytes> chunks_of(const std::vector<CodedStream>& streams,
                              const std::vector<int>& layers) {
-    std::vector<Bytes> chunks;
+    const ChunkOrder order{layers.size(), streams.size()};
+    std::vector<Bytes> chunks(order.count());
     for (std::size_t k = 0; k < layers.size(); ++k)
-        for (const CodedStream& stream : streams) chunks.push_back(chunk_of(stream, layers, k));
+        for (std::size_t number = 0; number < streams.size(); ++number)
+            chunks[order.place(k, number)] = chunk_of(streams[number], layers, k);
     return chunks;
 }
 

@@ -40,9 +40,10 @@ void add_to(GridView<double> plane, double mean);
 [[nodiscard]] PyramidCoding fine_coding(const multires::Pyramid<double>& pyramid,
                                         const std::vector<double>& means);
 
-/// What is known of the pyramid when all planes down to `plane` are, and no details of
-/// `finest_level` and finer ones. `out` is allocated.
-void reconstruct(const QuantisedPyramid& quantised, const PyramidCoding& coding, int plane,
+/// What is known of the pyramid when the first of several streams and of the others, or of the only
+/// one, all planes down to `layer_plane` are, and no details of `finest_level` and finer ones.
+/// `out` is allocated.
+void reconstruct(const QuantisedPyramid& quantised, const PyramidCoding& coding, int layer_plane,
                  int finest_level, multires::Pyramid<double>& out);
 
 /// How many coefficients are not zero in some component, scaling band included.
@@ -77,7 +78,7 @@ using CodedStream = std::vector<EmbeddedStream>;
 [[nodiscard]] Bytes chunk_of(const CodedStream& stream, const std::vector<int>& layers,
                              std::size_t k);
 
-/// The chunks, layer by layer, streams in order.
+/// The chunks, in the order of ChunkOrder.
 [[nodiscard]] std::vector<Bytes> chunks_of(const std::vector<CodedStream>& streams,
                                            const std::vector<int>& layers);
 

@@ -315,13 +315,13 @@ class Encoder {
         ContainerWriter writer;
         writer.add({});  // no edits
         if (header.has_mask) add_masks(writer);
-        const std::size_t streams = candidate.chunks.size() / candidate.coding.layers.size();
-        for (std::size_t k = 0; k < candidate.chunks.size(); ++k) {
-            const std::size_t layer = k / streams;
-            const bool ends = k % streams == streams - 1 && layer < layer_errors.size();
-            writer.add(candidate.chunks[k],
-                       ends ? layer_errors[layer] : std::numeric_limits<double>::infinity());
-        }
+        constexpr double unknown = std::numeric_limits<double>::infinity();
+        const std::size_t layers = candidate.coding.layers.size();
+        const ChunkOrder order{layers, candidate.chunks.size() / layers};
+        std::vector<double> bounds(order.count(), unknown);
+        for (std::size_t k = 0; k < layer_errors.size(); ++k)
+            bounds[order.end_of(k)] = layer_errors[k];
+        for (std::size_t k = 0; k < bounds.size(); ++k) writer.add(candidate.chunks[k], bounds[k]);
         writer.add(candidate.correction, final_error.max);
         return writer.finish(write_header(header));
     }

@@ -471,6 +471,8 @@ class TiledEncoder {
     Status make_chunks(std::vector<CodedStream>& coded,
                        const std::vector<std::vector<SpooledChunk>>& places, Attempt& result) {
         const std::vector<int>& layers = result.coding.layers;
+        const ChunkOrder order{layers.size(), coded.size()};
+        result.chunks.resize(order.count());
         for (std::size_t layer = 0; layer < layers.size(); ++layer)
             for (std::size_t k = 0; k < coded.size(); ++k) {
                 for (std::size_t c = 0; c < coded[k].size(); ++c) {
@@ -478,7 +480,7 @@ class TiledEncoder {
                     RELIEF_CHECK(spool_.read(places[k][c].place, coded[k][c].bytes));
                 }
                 RELIEF_TRY(SpooledChunk chunk, spooled(chunk_of(coded[k], layers, layer), spool_));
-                result.chunks.push_back(chunk);
+                result.chunks[order.place(layer, k)] = chunk;
                 for (EmbeddedStream& component : coded[k]) component.bytes = Bytes();
             }
         return {};
@@ -508,9 +510,9 @@ class TiledEncoder {
             for (const std::int64_t tile : tree_.hilbert_order(0))
                 chunks.push_back(masks_[static_cast<std::size_t>(tile)]);
         chunks.insert(chunks.end(), a.chunks.begin(), a.chunks.end());
+        const ChunkOrder order{a.coding.layers.size(), streams_.streams()};
         for (std::size_t layer = 0; layer < layer_errors.size(); ++layer)
-            chunks[first_stream_chunk() + (layer + 1) * streams_.streams() - 1].info.bound =
-                layer_errors[layer];
+            chunks[first_stream_chunk() + order.end_of(layer)].info.bound = layer_errors[layer];
         SpooledChunk corrections;
         if (known) corrections.info.bound = a.error.max;
         chunks.push_back(corrections);
@@ -523,8 +525,9 @@ class TiledEncoder {
         RELIEF_TRY(best.error, measured(reference, best.file));
         if (cancelled(0.92)) return cancelled_error();
         std::vector<double> layers;
-        for (std::size_t k = 0; k + 1 < best.coding.layers.size(); ++k) {
-            const std::size_t last = first_stream_chunk() + (k + 1) * streams_.streams() - 1;
+        const ChunkOrder order{best.coding.layers.size(), streams_.streams()};
+        for (std::size_t k = 0; k + 1 < order.layers; ++k) {
+            const std::size_t last = first_stream_chunk() + order.end_of(k);
             RELIEF_TRY(const SurfaceError error,
                        measured(reference, best.file, best.file->end_of(last)));
             layers.push_back(error.max);

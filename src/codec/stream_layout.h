@@ -18,6 +18,20 @@ struct BandPart {
     LatticeBox box;        ///< in the band's lattice; perhaps empty
 };
 
+/// Where the chunk of a stream in a layer stands among the chunks of all: first the layers of the
+/// first stream, then layer by layer those of the others.
+struct ChunkOrder {
+    std::size_t layers = 1;
+    std::size_t streams = 1;
+
+    [[nodiscard]] std::size_t count() const { return layers * streams; }
+    [[nodiscard]] std::size_t place(std::size_t layer, std::size_t stream) const {
+        return stream == 0 ? layer : layers + layer * (streams - 1) + stream - 1;
+    }
+    /// The last one that belongs to a layer of all streams.
+    [[nodiscard]] std::size_t end_of(std::size_t layer) const { return place(layer, streams - 1); }
+};
+
 /// Streams: one for each tile and level, tiles of tier k holding the details of levels 3k + 1 ..
 /// 3k + 3. Coarse levels of the one tile of the top tier share a stream; the scaling band is with
 /// the details of its level. Streams are numbered coarse levels first, within a level along a

@@ -133,18 +133,23 @@ TEST(PyramidCode, LayersGrowAndEndWithPlaneZero) {
         EXPECT_TRUE(std::is_sorted(layers.rbegin(), layers.rend()));
         runs.push_back(chunks_of(coded, layers));
         ASSERT_EQ(runs.back().size(), layers.size() * streams.streams());
-        std::size_t total = 0;
+        const ChunkOrder order{layers.size(), streams.streams()};
+        std::size_t first = 0;  // of the first stream, which stands before all others
+        std::size_t total = 0;  // of the others
         for (std::size_t k = 0; k < layers.size(); ++k) {
+            EXPECT_EQ(order.place(k, 0), k);
+            first += runs.back()[k].size();
             std::size_t layer = 0;
-            for (std::size_t s = 0; s < streams.streams(); ++s)
-                layer += runs.back()[k * streams.streams() + s].size();
+            for (std::size_t s = 1; s < streams.streams(); ++s)
+                layer += runs.back()[order.place(k, s)].size();
             // A quarter more, but for the byte with the number of planes.
             EXPECT_GE(4 * (layer + streams.streams()), k == 0 ? 0 : total);
             total += layer;
         }
+        EXPECT_EQ(order.end_of(layers.size() - 1) + 1, order.count());
         std::size_t coded_bytes = 0;
         for (const CodedStream& stream : coded) coded_bytes += stream[0].bytes.size() + 1;
-        EXPECT_EQ(total, coded_bytes);
+        EXPECT_EQ(first + total, coded_bytes);
     }
     set_thread_count(0);
     EXPECT_EQ(runs[0], runs[1]);
