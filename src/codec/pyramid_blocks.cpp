@@ -5,6 +5,7 @@
 #include "codec/embedded_quantiser.h"
 #include "codec/pyramid_code.h"
 #include "relief/core/parallel.h"
+#include "relief/multires/cubic_window.h"
 
 namespace relief::codec {
 
@@ -14,6 +15,19 @@ namespace {
 constexpr std::size_t kFewestKept = 24;
 
 }  // namespace
+
+Result<multires::Planes<double>> cubic_surface(const multires::PyramidLayout& layout, int level,
+                                               const LatticeBox& window, const PyramidPart& part) {
+    multires::Planes<double> planes;
+    for (std::size_t c = 0; c < static_cast<std::size_t>(layout.components); ++c) {
+        std::vector<GridView<const double>> bands;
+        for (const multires::Planes<double>& band : part.bands) bands.push_back(band[c].view());
+        RELIEF_TRY(Grid<double> plane,
+                   multires::cubic::synthesise_window<double>(layout, level, window, bands));
+        planes.push_back(std::move(plane));
+    }
+    return planes;
+}
 
 PyramidBlocks::PyramidBlocks(const ContainerReader& container,
                              const multires::PyramidLayout& layout, const PyramidCoding& coding,
@@ -111,11 +125,9 @@ void PyramidBlocks::copy(const Block& block, const std::vector<LatticeBox>& boxe
         for (std::size_t c = 0; c < block.known.size(); ++c) {
             const Grid<std::int32_t>& values = block.values[c * block.parts.size() + k];
             Grid<double>& plane = out.bands[band][c];
-            const GridView<double> to(
-                &plane(part.row0 - boxes[band].row0, part.col0 - boxes[band].col0), part.rows,
-                part.cols, plane.stride());
-            reconstruct_band<double>({&values(part.row0 - from.row0, part.col0 - from.col0),
-                                      part.rows, part.cols, values.stride()},
+            const GridView<double> to =
+                part_of(plane.view(), relative(part, boxes[band].row0, boxes[band].col0));
+            reconstruct_band<double>(part_of(values.view(), relative(part, from.row0, from.col0)),
                                      block.known[c], coding_.step_of(layout_, band), to);
             if (band == 0) add_to(to, coding_.means[c]);
         }

@@ -24,6 +24,12 @@ struct PyramidPart {
     std::vector<LatticeBox> damaged = {};  ///< parts of the raster whose chunks are bad
 };
 
+/// The surface of scheme `cubic` on a window of the lattice of `level`. Requires: `part` has the
+/// boxes that cubic::needed_boxes names. Errors: those of cubic::synthesise_window.
+[[nodiscard]] Result<multires::Planes<double>> cubic_surface(const multires::PyramidLayout& layout,
+                                                             int level, const LatticeBox& window,
+                                                             const PyramidPart& part);
+
 /// Decodes the streams of an open-loop file on demand and keeps those used last. Several threads
 /// may read at once.
 class PyramidBlocks {

@@ -256,15 +256,7 @@ class PyramidBody final : public RasterBody {
         }
         const auto boxes = multires::cubic::needed_boxes(layout_, level, window);
         RELIEF_TRY(const PyramidPart part, read(boxes, known));
-        Planes<double> planes;
-        for (std::size_t c = 0; c < static_cast<std::size_t>(layout_.components); ++c) {
-            std::vector<GridView<const double>> bands;
-            for (const Planes<double>& band : part.bands) bands.push_back(band[c].view());
-            RELIEF_TRY(Grid<double> plane,
-                       multires::cubic::synthesise_window<double>(layout_, level, window, bands));
-            planes.push_back(std::move(plane));
-        }
-        return planes;
+        return cubic_surface(layout_, level, window, part);
     }
 
     Status correct(const LatticeBox& window, Planes<double>& planes) const {

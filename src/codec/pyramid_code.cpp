@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "codec/bytes.h"
 #include "codec/embedded_quantiser.h"
@@ -41,13 +42,6 @@ Grid<std::int32_t> cut_off(const Grid<std::int32_t>& values, int plane) {
     return known;
 }
 
-template <class T>
-GridView<T> part_of(GridView<T> grid, const LatticeBox& whole, const LatticeBox& part) {
-    if (part.count() == 0) return {nullptr, part.rows, part.cols, grid.stride};
-    return {&grid(part.row0 - whole.row0, part.col0 - whole.col0), part.rows, part.cols,
-            grid.stride};
-}
-
 constexpr int kMostPlanes = 31;
 
 /// Bytes of a stream that hold all planes down to `plane`.
@@ -78,21 +72,20 @@ Result<CodedStream> encode_one_stream(const multires::PyramidLayout& layout,
         for (const BandPart& part : parts) {
             const multires::BandLayout& band = layout.bands[part.band];
             const LatticeBox& here = quantised.boxes[part.band];
-            StreamBand& added = bands.emplace_back(
-                StreamBand{band.level, band.channel, part.box,
-                           part_of(quantised.values[part.band][c].view(), here, part.box)});
+            const LatticeBox box = relative(part.box, here.row0, here.col0);
+            StreamBand& added =
+                bands.emplace_back(StreamBand{band.level, band.channel, part.box,
+                                              part_of(quantised.values[part.band][c].view(), box)});
             if (!quantised.worths.empty())
-                added.worth =
-                    part_of(GridView<const std::uint8_t>(quantised.worths[part.band][c].view()),
-                            here, part.box);
+                added.worth = part_of(std::as_const(quantised.worths[part.band][c]).view(), box);
         }
         std::vector<ParentBand> parents;
         for (const BandPart& part : parent_parts) {
             const multires::BandLayout& band = layout.bands[part.band];
-            parents.push_back(
-                {band.level, band.channel, part.box,
-                 part_of(GridView<const std::int32_t>(above.values[part.band][c].view()),
-                         above.boxes[part.band], part.box)});
+            const LatticeBox& there = above.boxes[part.band];
+            parents.push_back({band.level, band.channel, part.box,
+                               part_of(above.values[part.band][c].view(),
+                                       relative(part.box, there.row0, there.col0))});
         }
         RELIEF_TRY(EmbeddedStream stream, encode_stream(bands, parents));
         coded.push_back(std::move(stream));

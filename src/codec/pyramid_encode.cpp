@@ -178,8 +178,8 @@ class Encoder {
 
     /// As codec::search, and reports progress.
     template <class Make, class MeasureOf>
-    Result<Candidate> search(double unit, bool growing, double close_enough, Make make,
-                             MeasureOf measure_of) {
+    Result<std::optional<Candidate>> search(double unit, bool growing, double close_enough,
+                                            Make make, MeasureOf measure_of) {
         return codec::search<Candidate>(unit, growing, close_enough, make, measure_of,
                                         [&](double done) { return cancelled(0.1 + 0.7 * done); });
     }
@@ -196,12 +196,14 @@ class Encoder {
                 evaluate(candidate);
                 return candidate;
             };
-            auto found = search(4 * goal, true, 0.95, quantise_only, measure);
-            if (found.ok())
-                found = search(
-                    0.97 * found->coding.step, true, 0.995,
-                    [&](double step) { return at_step(step); }, measure);
-            if (found.ok() || found.error().code == ErrorCode::Cancelled) return found;
+            RELIEF_TRY(std::optional<Candidate> found,
+                       search(4 * goal, true, 0.95, quantise_only, measure));
+            if (found) {
+                RELIEF_TRY(found, search(
+                                      0.97 * found->coding.step, true, 0.995,
+                                      [&](double step) { return at_step(step); }, measure));
+            }
+            if (found) return *std::move(found);
         }
         return search_bounded(0);  // nearer than quantising comes
     }
@@ -218,12 +220,14 @@ class Encoder {
         const double bits = 8 * goal / static_cast<double>(samples_);
         const double spread = surface_error(raster_, nothing.surface).rms(samples_);
         if (!(spread > 0)) return nothing;
-        auto found = search(
-            std::max(8 * spread * std::exp2(-2 * bits), 1e-6 * spread), false, 0.997,
-            [&](double step) { return at_step(step); },
-            [&](Candidate& candidate) { return static_cast<double>(size_of(candidate)) / goal; });
-        if (!found.ok() && found.error().code != ErrorCode::Cancelled) return nothing;
-        return found;
+        RELIEF_TRY(std::optional<Candidate> found,
+                   search(
+                       std::max(8 * spread * std::exp2(-2 * bits), 1e-6 * spread), false, 0.997,
+                       [&](double step) { return at_step(step); },
+                       [&](Candidate& candidate) {
+                           return static_cast<double>(size_of(candidate)) / goal;
+                       }));
+        return found ? *std::move(found) : std::move(nothing);
     }
 
     /// A step with which every coefficient is quantised to zero.
@@ -328,11 +332,8 @@ class Encoder {
 
     void add_masks(ContainerWriter& writer) const {
         const TileTree tree(raster_.rows, raster_.cols);
-        for (const std::int64_t tile : tree.hilbert_order(0)) {
-            const LatticeBox box = tree.box(0, tile);
-            writer.add(encode_tile_mask({raster_.mask.row(box.row0) + box.col0, box.rows, box.cols,
-                                         raster_.mask.stride()}));
-        }
+        for (const std::int64_t tile : tree.hilbert_order(0))
+            writer.add(encode_tile_mask(part_of(raster_.mask.view(), tree.box(0, tile))));
     }
 
     /// Largest errors of the surfaces that the first layers give.
@@ -373,18 +374,12 @@ class Encoder {
         RELIEF_CHECK(verify(result.bytes, final_error));
 
         EncodeReport& report = result.report;
+        report = size_report(raster_, result.bytes.size());
         report.spec = pyramid_.layout.spec;
-        report.samples = raster_.rows * raster_.cols;
         report.coefficients = pyramid_.layout.coefficients();
         report.kept = kept_ > 0 ? kept_ : count_kept(best.quantised);
         report.corrected = best.corrections ? best.corrections->corrected : 0;
-        report.bytes = result.bytes.size();
-        report.bits_per_sample =
-            8.0 * static_cast<double>(report.bytes) / static_cast<double>(report.samples);
-        report.max_error = final_error.max;
-        report.rms_error = final_error.rms(samples_);
-        const double energy = detail_energy_of_pyramid();
-        report.energy_percent = energy > 0 ? 100 * final_error.square / energy : 0;
+        set_errors(report, final_error, samples_, detail_energy_of_pyramid());
         report.bound = options_.goal.kind == Kind::MaxError ? options_.goal.value : final_error.max;
         return result;
     }

@@ -11,16 +11,8 @@ namespace {
 
 using multires::Planes;
 
-/// Samples that a window has of level `level`.
-LatticeBox at_level(const LatticeBox& window, int level) {
-    const std::int64_t row0 = level_size(window.row0, level);
-    const std::int64_t col0 = level_size(window.col0, level);
-    return {row0, col0, level_size(window.row0 + window.rows, level) - row0,
-            level_size(window.col0 + window.cols, level) - col0};
-}
-
 /// The raster's description with the samples of a window.
-Result<Raster> part_of(const RasterSource& source, const LatticeBox& window) {
+Result<Raster> read_part(const RasterSource& source, const LatticeBox& window) {
     RELIEF_TRY(Raster samples, source.read(window));
     Raster part = description_of(source.description());
     part.rows = window.rows;
@@ -55,15 +47,7 @@ Result<Planes<double>> surface(const multires::PyramidLayout& layout, const Pyra
                                int level, const LatticeBox& window, int finest) {
     const auto boxes = multires::cubic::needed_boxes(layout, level, window);
     RELIEF_TRY(const PyramidPart part, blocks.read(boxes, finest));
-    Planes<double> planes;
-    for (std::size_t c = 0; c < static_cast<std::size_t>(layout.components); ++c) {
-        std::vector<GridView<const double>> bands;
-        for (const Planes<double>& band : part.bands) bands.push_back(band[c].view());
-        RELIEF_TRY(Grid<double> plane,
-                   multires::cubic::synthesise_window<double>(layout, level, window, bands));
-        planes.push_back(std::move(plane));
-    }
-    return planes;
+    return cubic_surface(layout, level, window, part);
 }
 
 void add(SurfaceError& sum, const SurfaceError& error) {
@@ -79,7 +63,7 @@ Result<SurfaceError> measured(const Reference& reference,
     RELIEF_TRY(const RasterFile opened, RasterFile::open(file, visible));
     SurfaceError all;
     for (const LatticeBox& window : reference.windows) {
-        RELIEF_TRY(const Raster part, part_of(reference.source, window));
+        RELIEF_TRY(const Raster part, read_part(reference.source, window));
         RELIEF_TRY(const DecodedRaster decoded, opened.decode_window(0, window));
         if (!decoded.damaged.empty())
             return Error{ErrorCode::BadFile,
@@ -97,12 +81,12 @@ Result<LevelErrors> measured_levels(const Reference& reference,
     LevelErrors errors;
     errors.largest.resize(static_cast<std::size_t>(layout.levels()));
     for (const LatticeBox& window : reference.windows) {
-        RELIEF_TRY(const Raster part, part_of(reference.source, window));
+        RELIEF_TRY(const Raster part, read_part(reference.source, window));
         for (int level = 1; level <= layout.levels(); ++level) {
             RELIEF_TRY(const Planes<double> fine, surface(layout, blocks, 0, window, level));
             SurfaceError error = surface_error(part, fine);
             if (level == layout.levels()) errors.coarsest_square += error.square;
-            const LatticeBox coarse = at_level(window, level);
+            const LatticeBox coarse = box_at_level(window, level);
             if (coarse.count() > 0) {
                 RELIEF_TRY(const Planes<double> planes,
                            surface(layout, blocks, level, coarse, level));

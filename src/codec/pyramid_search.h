@@ -38,11 +38,11 @@ inline constexpr double kLargestStep = 1e99;
 
 /// Finds the unit where `measure_of(candidate)` meets 1 from below, candidates being
 /// `make(unit)`. growing: the measure grows with the unit. Keeps the candidate that is closest
-/// below 1, and stops when one measures `close_enough`. cancelled(done): whether to stop. Errors:
-/// BadInput when no candidate measures up to 1; those of `make`; Cancelled.
+/// below 1, and stops when one measures `close_enough`; none: no candidate measures up to 1.
+/// cancelled(done): whether to stop. Errors: those of `make`; Cancelled.
 template <class Candidate, class Make, class MeasureOf, class Cancel>
-Result<Candidate> search(double unit, bool growing, double close_enough, Make make,
-                         MeasureOf measure_of, Cancel cancelled) {
+Result<std::optional<Candidate>> search(double unit, bool growing, double close_enough, Make make,
+                                        MeasureOf measure_of, Cancel cancelled) {
     constexpr int most_steps = 24;
     std::optional<Candidate> best;
     double best_measure = 0;
@@ -81,8 +81,7 @@ Result<Candidate> search(double unit, bool growing, double close_enough, Make ma
         }
         if (!(unit > 1e-290 && unit < 1e290)) break;
     }
-    if (!best) return Error{ErrorCode::BadInput, "no step meets the goal", ""};
-    return *std::move(best);
+    return best;
 }
 
 }  // namespace relief::codec

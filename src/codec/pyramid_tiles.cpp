@@ -4,14 +4,15 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "codec/decimal.h"
-#include "codec/embedded_quantiser.h"
 #include "codec/pyramid_code.h"
 #include "codec/pyramid_measure.h"
 #include "codec/pyramid_search.h"
 #include "codec/spooled_file.h"
+#include "codec/tile_details.h"
 #include "codec/tile_masks.h"
 #include "relief/codec/fill.h"
 #include "relief/core/parallel.h"
@@ -23,13 +24,6 @@ namespace {
 using Kind = Goal::Kind;
 using multires::Planes;
 
-/// Levels that are chosen block by block.
-constexpr int kFine = TileTree::kTierLevels;
-/// One unit of their coarsest lattice holds so many samples a side.
-constexpr std::int64_t kUnit = std::int64_t{1} << kFine;
-/// How much more of the raster is looked at around a tile: 8 units, over which what happens beyond
-/// decays to 3 10^-5.
-constexpr std::int64_t kMargin = 8 * kUnit;
 /// Tiles that are chosen at once, for which there is memory.
 constexpr std::size_t kAtOnce = 4;
 /// Where a search is near enough to its goal: at first, without least squares, and in the end.
@@ -38,71 +32,6 @@ constexpr double kRefinement = 1.05;
 constexpr double kClosely = 0.99;
 /// Stands for bounds and errors that are not known yet: a number of many digits.
 constexpr double kLongNumber = 123456.78901234567;
-constexpr std::int64_t kFar = std::int64_t{1} << 40;
-
-struct Block {
-    std::int64_t tile = 0;
-    LatticeBox core;    ///< the samples of its tile
-    LatticeBox window;  ///< those that it looks at
-};
-
-std::vector<Block> blocks_of(const TileTree& tree, const LatticeBox& raster) {
-    std::vector<Block> blocks;
-    for (std::int64_t tile = 0; tile < tree.tier(0).tiles(); ++tile) {
-        const LatticeBox core = tree.box(0, tile);
-        const LatticeBox around{core.row0 - kMargin, core.col0 - kMargin, core.rows + 2 * kMargin,
-                                core.cols + 2 * kMargin};
-        blocks.push_back({tile, core, intersection(around, raster)});
-    }
-    return blocks;
-}
-
-/// The part of a core's lattice of `level`; at the end of the raster all that there is.
-LatticeBox lattice_of(const LatticeBox& core, int level, const LatticeBox& raster) {
-    const auto end = [&](std::int64_t last, std::int64_t size) {
-        return last == size ? kFar : last >> level;
-    };
-    const std::int64_t row0 = core.row0 >> level;
-    const std::int64_t col0 = core.col0 >> level;
-    return {row0, col0, end(core.row0 + core.rows, raster.rows) - row0,
-            end(core.col0 + core.cols, raster.cols) - col0};
-}
-
-template <class T>
-GridView<T> part_of(GridView<T> grid, const LatticeBox& part) {
-    return {part.count() == 0 ? nullptr : &grid(part.row0, part.col0), part.rows, part.cols,
-            grid.stride};
-}
-
-LatticeBox moved(const LatticeBox& box, std::int64_t rows, std::int64_t cols) {
-    return {box.row0 - rows, box.col0 - cols, box.rows, box.cols};
-}
-
-/// The window of a raster with its holes filled; 0 where there is nothing to fill them from.
-struct Window {
-    Raster samples;
-    Planes<double> filled;
-
-    [[nodiscard]] Target target() const {
-        Target target;
-        for (const Grid<double>& plane : filled) target.planes.push_back(plane.view());
-        if (!samples.mask.empty()) target.mask = samples.mask.view();
-        return target;
-    }
-};
-
-Result<Window> read_window(const RasterSource& source, const LatticeBox& box) {
-    Window window;
-    RELIEF_TRY(window.samples, source.read(box));
-    window.samples.rows = box.rows;
-    window.samples.cols = box.cols;
-    const bool empty = window.samples.valid_count() == 0;
-    for (const Grid<double>& plane : window.samples.planes)
-        window.filled.push_back(empty ? Grid<double>(box.rows, box.cols, 0.0)
-                                      : codec::filled(plane.view(), window.samples.mask));
-    return window;
-}
-
 /// What a step gives: a file on the spool.
 struct Attempt {
     PyramidCoding coding;
@@ -122,21 +51,22 @@ class TiledEncoder {
           layout_(std::move(layout)),
           streams_(layout_),
           tree_(layout_.rows, layout_.cols),
-          blocks_(blocks_of(tree_, raster())) {
+          blocks_(blocks_of(tree_)) {
         for (const Block& block : blocks_) cores_.push_back(block.core);
     }
 
-    Result<EncodeReport> run(ByteSink& sink) {
+    Result<std::optional<EncodeReport>> run(ByteSink& sink) {
         RELIEF_CHECK(survey());
         RELIEF_CHECK(analyse_coarse());
         for (double most = options_.goal.value;;) {
-            RELIEF_TRY(Attempt best, choose(most));
-            RELIEF_TRY(const EncodeReport report, finish(best));
+            RELIEF_TRY(std::optional<Attempt> best, choose(most));
+            if (!best) return std::optional<EncodeReport>();
+            RELIEF_TRY(const EncodeReport report, finish(*best));
             const double over = static_cast<double>(report.bytes) - options_.goal.value;
             if (options_.goal.kind != Kind::Bytes || over <= 0) {
-                RELIEF_CHECK(best.file->copy_to(sink));
+                RELIEF_CHECK(best->file->copy_to(sink));
                 if (options_.progress) options_.progress(1);
-                return report;
+                return std::optional<EncodeReport>(report);
             }
             most -= over;
         }
@@ -145,14 +75,6 @@ class TiledEncoder {
   private:
     [[nodiscard]] LatticeBox raster() const { return {0, 0, layout_.rows, layout_.cols}; }
     [[nodiscard]] int components() const { return layout_.components; }
-    /// Bands of levels above the fine ones, the scaling band included.
-    [[nodiscard]] std::size_t coarse_bands() const { return layout_.bands.size() - 3 * kFine; }
-
-    [[nodiscard]] Result<multires::PyramidLayout> fine_layout(const LatticeBox& window) const {
-        multires::SchemeSpec spec = layout_.spec;
-        spec.levels = kFine;
-        return multires::layout(spec, window.rows, window.cols, components());
-    }
 
     /// Reads the raster once: checks it, keeps its masks, and the values of level kFine.
     Status survey() {
@@ -177,13 +99,13 @@ class TiledEncoder {
         RELIEF_TRY(const Window window, read_window(source_, block.window));
         RELIEF_CHECK(check_samples(window.samples, block.window.row0, block.window.col0));
         RELIEF_CHECK(keep_masks(block, window.samples));
-        RELIEF_TRY(const multires::PyramidLayout fine, fine_layout(block.window));
+        RELIEF_TRY(const multires::PyramidLayout fine, fine_layout(layout_, block.window));
         RELIEF_TRY(const Pyramid<double> pyramid,
                    multires::analyse<double>(window.target().planes, fine.spec));
-        const LatticeBox part = intersection(lattice_of(block.core, kFine, raster()),
-                                             {0, 0, scaling_[0].rows(), scaling_[0].cols()});
+        const LatticeBox part =
+            lattice_of(block, kFine, raster(), {0, 0, scaling_[0].rows(), scaling_[0].cols()});
         const LatticeBox local =
-            moved(part, block.window.row0 >> kFine, block.window.col0 >> kFine);
+            relative(part, block.window.row0 >> kFine, block.window.col0 >> kFine);
         for (std::size_t c = 0; c < scaling_.size(); ++c)
             for (std::int64_t r = 0; r < part.rows; ++r)
                 std::copy_n(pyramid.bands[0][c].row(local.row0 + r) + local.col0, part.cols,
@@ -204,7 +126,7 @@ class TiledEncoder {
                 const std::int64_t j = std::min((col + kUnit / 2) >> kFine, near_valid_.cols() - 1);
                 near_valid_(i, j) = 1;
             }
-        const LatticeBox local = moved(block.core, block.window.row0, block.window.col0);
+        const LatticeBox local = relative(block.core, block.window.row0, block.window.col0);
         const Bytes mask =
             window.mask.empty() ? Bytes() : encode_tile_mask(part_of(window.mask.view(), local));
         RELIEF_TRY(masks_[static_cast<std::size_t>(block.tile)], spooled(mask, spool_));
@@ -214,10 +136,10 @@ class TiledEncoder {
     /// The largest magnitude of a band of a block, and its energy, as weighted by its norm.
     void note_magnitudes(const Block& block, const Pyramid<double>& pyramid, std::size_t band) {
         const multires::BandLayout& about = pyramid.layout.bands[band];
+        const LatticeBox& all = layout_.bands[coarse_bands(layout_) - 1 + band].box;
         const LatticeBox part =
-            intersection(moved(lattice_of(block.core, about.level, raster()),
-                               block.window.row0 >> about.level, block.window.col0 >> about.level),
-                         {0, 0, about.box.rows, about.box.cols});
+            relative(lattice_of(block, about.level, raster(), all),
+                     block.window.row0 >> about.level, block.window.col0 >> about.level);
         for (const Grid<double>& plane : pyramid.bands[band])
             for (std::int64_t r = part.row0; r < part.row0 + part.rows; ++r)
                 for (std::int64_t c = part.col0; c < part.col0 + part.cols; ++c) {
@@ -257,20 +179,22 @@ class TiledEncoder {
         return {};
     }
 
-    Result<Attempt> choose(double most) {
+    /// None: no step comes so near to the raster.
+    Result<std::optional<Attempt>> choose(double most) {
         const bool by_rms = options_.goal.kind == Kind::RmsError;
         const double goal = by_rms ? options_.goal.value : most;
         const double values = static_cast<double>(samples_) * components();
         const double spread = std::sqrt(energy_ / values);
         double start = 4 * goal;
+        std::optional<Attempt> nothing;
         if (!by_rms) {
-            RELIEF_TRY(const Attempt nothing, attempt(largest_step(), Effort::Select));
-            const auto least = static_cast<double>(nothing.file->size());
+            RELIEF_TRY(nothing, attempt(largest_step(), Effort::Select));
+            const auto least = static_cast<double>(nothing->file->size());
             if (least > goal)
                 return Error{ErrorCode::InvalidArgument,
                              "no file is that small; this raster's header and structure alone "
                              "take " +
-                                 std::to_string(nothing.file->size()) + " bytes",
+                                 std::to_string(nothing->file->size()) + " bytes",
                              ""};
             if (!(spread > 0)) return nothing;
             start = std::max(8 * spread * std::exp2(-16 * goal / values), 1e-6 * spread);
@@ -291,13 +215,13 @@ class TiledEncoder {
                 },
                 measure, [&](double done) { return cancelled(from + 0.4 * done); });
         };
-        RELIEF_TRY(Attempt rough, find(start, kRoughly, Effort::Select, 0.1));
-        if (options_.effort == Effort::Select)
-            return find(rough.coding.step, kClosely, Effort::Select, 0.5);
+        RELIEF_TRY(const std::optional<Attempt> rough, find(start, kRoughly, Effort::Select, 0.1));
+        if (!rough) return nothing;
+        double refined = rough->coding.step;
         // Least squares take some per cent off the error.
-        const double refined =
-            by_rms ? kRefinement * rough.coding.step / measure(rough) : rough.coding.step;
-        return find(refined, kClosely, options_.effort, 0.5);
+        if (by_rms && options_.effort != Effort::Select) refined *= kRefinement / measure(*rough);
+        RELIEF_TRY(std::optional<Attempt> found, find(refined, kClosely, options_.effort, 0.5));
+        return found ? std::move(found) : std::move(nothing);
     }
 
     [[nodiscard]] double least_step() const { return std::max(largest_ / 0x1p29, 1e-290); }
@@ -343,81 +267,6 @@ class TiledEncoder {
         return result;
     }
 
-    /// Quantised details of a block's core, chosen over the surface `below` of coarser levels.
-    Result<QuantisedPyramid> chosen(const Block& block, const Planes<double>& below,
-                                    const PyramidCoding& coding, Effort effort) const {
-        RELIEF_TRY(Window window, read_window(source_, block.window));
-        RELIEF_TRY(const multires::PyramidLayout fine, fine_layout(block.window));
-        RELIEF_TRY(Pyramid<double> exact,
-                   multires::analyse<double>(window.target().planes, fine.spec));
-        if (effort != Effort::Select) {
-            subtract(surface_below(block, below, fine), window.filled);
-            for (Grid<double>& plane : exact.bands[0])
-                plane = Grid<double>(plane.rows(), plane.cols(), 0.0);
-        }
-        const Pyramid<double> details =
-            improved(std::move(exact), window.target(), coding, effort, effort != Effort::Select);
-        QuantisedPyramid result;
-        result.boxes.resize(layout_.bands.size());
-        result.values.resize(layout_.bands.size());
-        result.worths.resize(layout_.bands.size());
-        for (std::size_t k = 1; k < details.bands.size(); ++k)
-            quantise_core(block, details, k, coding, result);
-        for (std::size_t k = 0; k < coarse_bands(); ++k) result.values[k].emplace_back();
-        return result;
-    }
-
-    /// The surface of the coarser levels alone.
-    static Planes<double> surface_below(const Block& block, const Planes<double>& below,
-                                        const multires::PyramidLayout& fine) {
-        auto pyramid = Pyramid<double>::allocate(fine);
-        for (std::size_t k = 0; k < pyramid.bands.size(); ++k)
-            for (std::size_t c = 0; c < pyramid.bands[k].size(); ++c) {
-                Grid<double>& plane = pyramid.bands[k][c];
-                for (std::int64_t r = 0; r < plane.rows(); ++r)
-                    if (k > 0)
-                        std::fill_n(plane.row(r), plane.cols(), 0.0);
-                    else
-                        std::copy_n(below[c].row((block.window.row0 >> kFine) + r) +
-                                        (block.window.col0 >> kFine),
-                                    plane.cols(), plane.row(r));
-            }
-        return multires::synthesise(pyramid);
-    }
-
-    static void subtract(const Planes<double>& what, Planes<double>& from) {
-        for (std::size_t c = 0; c < from.size(); ++c)
-            for (std::int64_t r = 0; r < from[c].rows(); ++r)
-                for (std::int64_t k = 0; k < from[c].cols(); ++k) from[c](r, k) -= what[c](r, k);
-    }
-
-    /// Band k of a block's pyramid: the core's part, into the band of the raster's layout.
-    void quantise_core(const Block& block, const Pyramid<double>& details, std::size_t k,
-                       const PyramidCoding& coding, QuantisedPyramid& out) const {
-        const std::size_t band = coarse_bands() - 1 + k;
-        const int level = layout_.bands[band].level;
-        const LatticeBox part =
-            intersection(lattice_of(block.core, level, raster()), layout_.bands[band].box);
-        const LatticeBox local =
-            moved(part, block.window.row0 >> level, block.window.col0 >> level);
-        out.boxes[band] = part;
-        for (const Grid<double>& plane : details.bands[k]) {
-            auto& values = out.values[band].emplace_back(part.rows, part.cols);
-            auto& worths = out.worths[band].emplace_back(part.rows, part.cols);
-            if (part.count() == 0) continue;
-            quantise_band<double>(part_of(plane.view(), local), coding.step_of(layout_, band),
-                                  values.view(), worths.view());
-        }
-    }
-
-    /// What blocks are coded over.
-    struct Base {
-        const Planes<double>& below;  ///< the surface of the coarser levels, at level kFine
-        const QuantisedPyramid& coarse;
-        const PyramidCoding& coding;
-        Effort effort;
-    };
-
     /// The streams of a tile's fine levels, coarse ones first.
     [[nodiscard]] std::vector<std::size_t> streams_of(const Block& block) const {
         std::vector<std::size_t> numbers;
@@ -427,14 +276,15 @@ class TiledEncoder {
     }
 
     /// Returns how many coefficients are not zero.
-    Result<std::int64_t> encode_blocks(std::size_t first, std::size_t last, const Base& base,
+    Result<std::int64_t> encode_blocks(std::size_t first, std::size_t last,
+                                       const CoarserLevels& coarser,
                                        std::vector<CodedStream>& coded) const {
         std::vector<Result<std::int64_t>> kept(last - first, std::int64_t{0});
         parallel_for(0, static_cast<std::int64_t>(last - first), 1,
                      [&](std::int64_t begin, std::int64_t end) {
                          for (auto k = static_cast<std::size_t>(begin);
                               k < static_cast<std::size_t>(end); ++k)
-                             kept[k] = encode_block(blocks_[first + k], base, coded);
+                             kept[k] = encode_block(blocks_[first + k], coarser, coded);
                      });
         std::int64_t sum = 0;
         for (const Result<std::int64_t>& count : kept) {
@@ -444,10 +294,10 @@ class TiledEncoder {
         return sum;
     }
 
-    Result<std::int64_t> encode_block(const Block& block, const Base& base,
+    Result<std::int64_t> encode_block(const Block& block, const CoarserLevels& coarser,
                                       std::vector<CodedStream>& coded) const {
-        RELIEF_TRY(QuantisedPyramid details, chosen(block, base.below, base.coding, base.effort));
-        const QuantisedPyramid* above = &base.coarse;
+        RELIEF_TRY(QuantisedPyramid details, choose_details(source_, layout_, block, coarser));
+        const QuantisedPyramid* above = &coarser.quantised;
         for (const std::size_t number : streams_of(block)) {
             RELIEF_TRY(coded[number],
                        encode_one_stream(layout_, streams_, number, details, *above));
@@ -544,17 +394,11 @@ class TiledEncoder {
     }
 
     [[nodiscard]] EncodeReport report_of(const Attempt& best, double coarsest_square) const {
-        EncodeReport report;
+        EncodeReport report = size_report(source_.description(), best.file->size());
         report.spec = layout_.spec;
-        report.samples = layout_.rows * layout_.cols;
         report.coefficients = layout_.coefficients();
         report.kept = best.kept;
-        report.bytes = best.file->size();
-        report.bits_per_sample =
-            8.0 * static_cast<double>(report.bytes) / static_cast<double>(report.samples);
-        report.max_error = best.error.max;
-        report.rms_error = best.error.rms(samples_);
-        report.energy_percent = coarsest_square > 0 ? 100 * best.error.square / coarsest_square : 0;
+        set_errors(report, best.error, samples_, coarsest_square);
         report.bound = best.error.max;
         return report;
     }
@@ -594,8 +438,10 @@ bool fits_tiles(const Raster& about, int components, const multires::SchemeSpec&
     return layout.ok() && layout->levels() > kFine && TileTree(about.rows, about.cols).tiers() > 1;
 }
 
-Result<EncodeReport> encode_tiles(const RasterSource& source, const multires::SchemeSpec& spec,
-                                  const EncodeOptions& options, ByteSink& sink, Spool& spool) {
+Result<std::optional<EncodeReport>> encode_tiles(const RasterSource& source,
+                                                 const multires::SchemeSpec& spec,
+                                                 const EncodeOptions& options, ByteSink& sink,
+                                                 Spool& spool) {
     const Raster& about = source.description();
     RELIEF_TRY(multires::PyramidLayout layout,
                multires::layout(spec, about.rows, about.cols, source.components()));

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "relief/codec/raster_codec.h"
 
 /// The open loop of scheme `cubic` for rasters that do not fit in memory. docs/codec.md, "Rasters
@@ -15,10 +17,11 @@ namespace relief::codec {
 /// what is left of the coarser ones, which are chosen first and for the whole raster. Every step
 /// that is tried reads the raster once. What is written is decoded and measured. Memory: some 100
 /// MB for each of four tiles, a few megabytes for each column of tiles, and the coarser levels, a
-/// 64th of the samples. Errors: those of encode_raster, source and spool.
-[[nodiscard]] Result<EncodeReport> encode_tiles(const RasterSource& source,
-                                                const multires::SchemeSpec& spec,
-                                                const EncodeOptions& options, ByteSink& sink,
-                                                Spool& spool);
+/// 64th of the samples. None: the goal is an error that is too small for any step; nothing was
+/// written. Errors: those of encode_raster, source and spool.
+[[nodiscard]] Result<std::optional<EncodeReport>> encode_tiles(const RasterSource& source,
+                                                               const multires::SchemeSpec& spec,
+                                                               const EncodeOptions& options,
+                                                               ByteSink& sink, Spool& spool);
 
 }  // namespace relief::codec

@@ -9,6 +9,7 @@
 #include "codec/pyramid_encode.h"
 #include "codec/pyramid_tiles.h"
 #include "codec/raster_header.h"
+#include "codec/surface_error.h"
 #include "relief/codec/raster_codec.h"
 #include "relief/core/parallel.h"
 
@@ -101,8 +102,9 @@ class LatticeWriter {
         header.has_mask = encoding.has_holes;
         header.goal = options_.goal;
         header.max_error = encoding.max_error;
-        const auto values = static_cast<double>(encoding.samples) * header.components;
-        header.rms_error = std::sqrt(encoding.square_error / values);
+        const SurfaceError error{encoding.max_error, encoding.square_error};
+        const std::int64_t values = encoding.samples * header.components;
+        header.rms_error = error.rms(values);
         header.lattice = encoding.coding;
         header.spec = {.id = SchemeId::Fvs,
                        .levels = TileTree(header.lattice_rows(), header.lattice_cols()).levels()};
@@ -111,21 +113,15 @@ class LatticeWriter {
         chunks.insert(chunks.end(), encoding.chunks.begin(), encoding.chunks.end());
         RELIEF_TRY(file_, SpooledFile::create(write_header(header), std::move(chunks), spool_));
 
+        report_ = size_report(about, file_->size());
         report_.spec = header.spec;
         report_.closed_loop = true;
         report_.profile = options_.profile;
         report_.lattice = encoding.coding.domains[0].lattice ? encoding.coding.domains[0].unit : 0;
-        report_.samples = about.rows * about.cols;
         report_.coefficients = report_.samples;
         report_.kept = encoding.nonzero;
         report_.corrected = encoding.repairs;
-        report_.bytes = file_->size();
-        report_.bits_per_sample =
-            8.0 * static_cast<double>(report_.bytes) / static_cast<double>(report_.samples);
-        report_.max_error = header.max_error;
-        report_.rms_error = header.rms_error;
-        report_.energy_percent =
-            encoding.coarse_energy > 0 ? 100 * encoding.square_error / encoding.coarse_energy : 0;
+        set_errors(report_, error, values, encoding.coarse_energy);
         return {};
     }
 
@@ -151,12 +147,14 @@ Result<EncodedRaster> encode_open(const RasterSource& source, const SchemeSpec& 
 }
 
 /// The open loop where it may be smaller than a closed-loop file: at loose bounds; none if that
-/// file is exact, the raster too large for the memory of the open loop, or its file larger.
+/// file is exact or is to be made fast, the raster too large for the memory of the open loop, or
+/// its file larger.
 Result<std::optional<EncodedRaster>> encode_looser(const RasterSource& source,
                                                    const EncodeOptions& options,
                                                    const EncodeReport& closed) {
-    if (options.goal.kind != Kind::MaxError || closed.max_error == 0 ||
-        closed.bits_per_sample > kOpenLoopBits || closed.samples > kOpenLoopSamples)
+    if (options.goal.kind != Kind::MaxError || options.profile == Profile::Fast ||
+        closed.max_error == 0 || closed.bits_per_sample > kOpenLoopBits ||
+        closed.samples > kOpenLoopSamples)
         return std::optional<EncodedRaster>();
     EncodeOptions quiet = options;
     if (options.progress) quiet.progress = [&](double) { return options.progress(1); };
@@ -188,8 +186,11 @@ Result<EncodeReport> encode_raster(const RasterSource& source, const EncodeOptio
     }
     const Raster& about = source.description();
     if (about.rows * about.cols * source.components() > kWholeSamples &&
-        fits_tiles(about, source.components(), spec, options.goal))
-        return encode_tiles(source, spec, options, sink, spool);
+        fits_tiles(about, source.components(), spec, options.goal)) {
+        RELIEF_TRY(const std::optional<EncodeReport> report,
+                   encode_tiles(source, spec, options, sink, spool));
+        if (report) return *report;
+    }
     RELIEF_TRY(const EncodedRaster encoded, encode_open(source, spec, options));
     RELIEF_CHECK(sink.write(encoded.bytes));
     return encoded.report;

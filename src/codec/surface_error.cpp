@@ -52,4 +52,19 @@ double largest_error_of_level(const Raster& raster, const Planes<double>& planes
     return largest;
 }
 
+EncodeReport size_report(const Raster& about, std::uint64_t bytes) {
+    EncodeReport report;
+    report.samples = about.rows * about.cols;
+    report.bytes = bytes;
+    report.bits_per_sample = 8.0 * static_cast<double>(bytes) / static_cast<double>(report.samples);
+    return report;
+}
+
+void set_errors(EncodeReport& report, const SurfaceError& error, std::int64_t samples,
+                double energy) {
+    report.max_error = error.max;
+    report.rms_error = error.rms(samples);
+    report.energy_percent = energy > 0 ? 100 * error.square / energy : 0;
+}
+
 }  // namespace relief::codec

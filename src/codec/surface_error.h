@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "relief/codec/raster_codec.h"
 #include "relief/core/raster.h"
 #include "relief/multires/pyramid.h"
 
@@ -26,5 +27,12 @@ struct SurfaceError {
 /// Largest error of the raster of a level, which has every 2^level-th sample.
 [[nodiscard]] double largest_error_of_level(const Raster& raster,
                                             const multires::Planes<double>& planes, int level);
+
+/// A report of the raster's and the file's sizes.
+[[nodiscard]] EncodeReport size_report(const Raster& about, std::uint64_t bytes);
+
+/// samples: that were compared. energy: squared error of the coarsest surface.
+void set_errors(EncodeReport& report, const SurfaceError& error, std::int64_t samples,
+                double energy);
 
 }  // namespace relief::codec

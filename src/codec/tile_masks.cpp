@@ -66,11 +66,7 @@ Grid<std::uint8_t> TileMasks::read(int level, const LatticeBox& window,
                 damaged.push_back(box);
                 continue;
             }
-            const LatticeBox there{
-                level_size(box.row0, level), level_size(box.col0, level),
-                level_size(box.row0 + box.rows, level) - level_size(box.row0, level),
-                level_size(box.col0 + box.cols, level) - level_size(box.col0, level)};
-            const LatticeBox part = intersection(window, there);
+            const LatticeBox part = intersection(window, box_at_level(box, level));
             for (std::int64_t r = part.row0; r < part.row0 + part.rows; ++r)
                 for (std::int64_t c = part.col0; c < part.col0 + part.cols; ++c)
                     mask(r - window.row0, c - window.col0) =

@@ -60,4 +60,12 @@ class TileTree {
     return (n + (std::int64_t{1} << level) - 1) >> level;
 }
 
+/// The samples that a box of the raster has of a level's lattice.
+[[nodiscard]] inline LatticeBox box_at_level(const LatticeBox& box, int level) {
+    const std::int64_t row0 = level_size(box.row0, level);
+    const std::int64_t col0 = level_size(box.col0, level);
+    return {row0, col0, level_size(box.row0 + box.rows, level) - row0,
+            level_size(box.col0 + box.cols, level) - col0};
+}
+
 }  // namespace relief::codec

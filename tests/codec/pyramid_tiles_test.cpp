@@ -24,8 +24,11 @@ Result<EncodedRaster> in_tiles(const Raster& raster, const EncodeOptions& option
     MemorySink sink;
     MemorySpool spool;
     EncodedRaster encoded;
-    RELIEF_TRY(encoded.report, encode_tiles(MemoryRaster(raster), kCubic, options, sink, spool));
+    RELIEF_TRY(const std::optional<EncodeReport> report,
+               encode_tiles(MemoryRaster(raster), kCubic, options, sink, spool));
     encoded.bytes = sink.take();
+    EXPECT_EQ(report.has_value(), !encoded.bytes.empty());
+    if (report) encoded.report = *report;
     return encoded;
 }
 
@@ -175,6 +178,21 @@ TEST(PyramidTiles, Refusals) {
         tall(), {.goal = {Kind::RmsError, 1}, .progress = [&](double) { return ++calls < 6; }});
     EXPECT_EQ(cancelled.error().code, ErrorCode::Cancelled);
     EXPECT_EQ(calls, 6);
+}
+
+/// Quantising ends 2^29 steps below the largest coefficient; then files are exact.
+TEST(PyramidTiles, ErrorsThatAreTooSmallAreZero) {
+    Raster raster = landscape(1100, 1000);
+    raster.type = SampleType::Float64;
+    const EncodeOptions options{.goal = {Kind::RmsError, 1e-9}, .effort = Effort::Select};
+    const auto tiles = in_tiles(raster, options);
+    ASSERT_TRUE(tiles.ok()) << tiles.error().text();
+    EXPECT_TRUE(tiles->bytes.empty());
+    const auto encoded = encode_raster(raster, options);
+    ASSERT_TRUE(encoded.ok()) << encoded.error().text();
+    EXPECT_EQ(encoded->report.rms_error, 0);
+    const Measure found = *measure(raster, *RasterFile::open(encoded->bytes)->decode(0));
+    EXPECT_EQ(found.max_error, 0);
 }
 
 TEST(PyramidTiles, WhatFits) {

@@ -364,6 +364,22 @@ TEST(RasterCodec, GoalsAndRastersThatCanNotBeAreRefused) {
     EXPECT_EQ(refused(holes, {Kind::Lossless, 0}), ErrorCode::BadInput);
 }
 
+/// At loose bounds the smaller of both loops is written, unless something else was asked for.
+TEST(RasterCodec, LooseBoundsTryBothLoops) {
+    const Raster raster = landscape(300, 260, SampleType::Float32, 1, 0, 5);
+    EncodeOptions options{.goal = {Kind::MaxError, 400}};
+    const EncodedRaster best = *encode_raster(raster, options);
+    EXPECT_FALSE(best.report.closed_loop);
+    EXPECT_LE(best.report.max_error, 400);
+    options.profile = Profile::Fast;
+    EXPECT_TRUE(encode_raster(raster, options)->report.closed_loop);
+    options.profile = Profile::Dense;
+    options.spec = SchemeSpec{.id = SchemeId::Fvs};
+    const EncodedRaster closed = *encode_raster(raster, options);
+    EXPECT_TRUE(closed.report.closed_loop);
+    EXPECT_LT(best.bytes.size(), closed.bytes.size());
+}
+
 TEST(RasterCodec, LargestSamplesSurvive) {
     Raster raster = landscape(12, 12, SampleType::Float64, 1, 0, 1);
     for (std::int64_t r = 0; r < 12; ++r)

@@ -101,7 +101,7 @@ TEST(SampleRows, RangesLeaveHolesOut) {
         row.valid[58] = 1;
         const auto found = on_both([&] {
             const RowRange range = range_of_row(row.samples.data(), row.valid.data(), 60);
-            return std::vector<double>{range.lowest, range.highest, double{range.finite}};
+            return std::vector<double>{range.lowest, range.highest, range.finite ? 1.0 : 0.0};
         });
         double lowest = 1e300;
         double highest = -1e300;

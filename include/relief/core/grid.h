@@ -32,6 +32,12 @@ struct LatticeBox {
     return {row0, col0, std::max<std::int64_t>(rows, 0), std::max<std::int64_t>(cols, 0)};
 }
 
+/// The same box in coordinates whose origin is at (row0, col0).
+[[nodiscard]] inline LatticeBox relative(const LatticeBox& box, std::int64_t row0,
+                                         std::int64_t col0) {
+    return {box.row0 - row0, box.col0 - col0, box.rows, box.cols};
+}
+
 /// A view of rows x cols elements; row r starts at data + r * stride. T may be const.
 template <class T>
 struct GridView {
@@ -52,6 +58,13 @@ struct GridView {
     T& operator()(std::int64_t r, std::int64_t c) const { return data[r * stride + c]; }
     [[nodiscard]] std::int64_t count() const { return rows * cols; }
 };
+
+/// The elements of a box; one that is empty may be anywhere. Requires: otherwise it is inside.
+template <class T>
+[[nodiscard]] GridView<T> part_of(const GridView<T>& grid, const LatticeBox& box) {
+    T* first = box.count() > 0 ? &grid(box.row0, box.col0) : nullptr;
+    return {first, box.rows, box.cols, grid.stride};
+}
 
 /// An owned grid; rows are cache-line aligned. Elements are NOT initialised by the sized
 /// constructor. Complexity: construction O(1) apart from page faults on first touch.
