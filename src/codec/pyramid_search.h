@@ -36,10 +36,11 @@ inline constexpr double kLargestStep = 1e99;
     return Error{ErrorCode::Cancelled, "cancelled", ""};
 }
 
-/// Finds the unit where `measure_of(candidate)` meets 1 from below, candidates being
-/// `make(unit)`. growing: the measure grows with the unit. Keeps the candidate that is closest
-/// below 1, and stops when one measures `close_enough`; none: no candidate measures up to 1.
-/// cancelled(done): whether to stop. Errors: those of `make`; Cancelled.
+/// Finds the unit where `measure_of(candidate)` meets 1 from below, candidates being `make(unit)`:
+/// what a step of `unit` gives, or of the least there is. growing: the measure grows with the unit.
+/// Keeps the candidate that is closest below 1, and stops when one measures `close_enough`; none:
+/// no candidate measures up to 1. cancelled(done): whether to stop. Errors: those of `make`;
+/// Cancelled.
 template <class Candidate, class Make, class MeasureOf, class Cancel>
 Result<std::optional<Candidate>> search(double unit, bool growing, double close_enough, Make make,
                                         MeasureOf measure_of, Cancel cancelled) {
@@ -67,6 +68,8 @@ Result<std::optional<Candidate>> search(double unit, bool growing, double close_
             below = std::log(unit);
             below_measure = logarithm;
         } else {
+            // The least step there is was taken instead.
+            if (growing && candidate.coding.step > 1.01 * unit) break;
             has_above = true;
             above = std::log(unit);
             above_measure = logarithm;
