@@ -12,6 +12,7 @@
 
 #include "codec/embedded_coder.h"
 #include "codec/raster_header.h"
+#include "containers.h"
 #include "relief/codec/container.h"
 #include "relief/codec/mask_coder.h"
 #include "relief/codec/raster_codec.h"
@@ -20,10 +21,6 @@
 /// What the fuzzers run, and the tests on a small corpus. Each takes any bytes and must return;
 /// what decodes must encode to something that decodes to the same.
 namespace relief::codec::fuzz {
-
-inline void require(bool condition) {
-    if (!condition) std::abort();
-}
 
 /// The bytes as a file, and as a prefix of one.
 inline void container(std::span<const std::uint8_t> bytes) {
@@ -217,46 +214,14 @@ inline const std::vector<Bytes>& valid_rasters() {
     return files;
 }
 
-/// The same file with another header, chunks altered; all checksums hold.
-inline Bytes rebuilt(const ContainerReader& reader, const std::string& header,
-                     const std::vector<Bytes>& chunks) {
-    ContainerWriter writer;
-    for (std::size_t k = 0; k < chunks.size(); ++k) writer.add(chunks[k], reader.chunks()[k].bound);
-    const auto file = writer.finish(header);
-    return file.ok() ? *file : Bytes();
-}
-
-inline std::vector<Bytes> chunks_of(const ContainerReader& reader) {
-    std::vector<Bytes> chunks;
-    for (std::size_t k = 0; k < reader.chunks().size(); ++k) {
-        chunks.push_back(*reader.chunk(k));
-    }
-    return chunks;
-}
-
-/// The first byte chooses a valid file. Then edits: chunk, place (2 bytes), count, and as many
-/// bytes that are added to those there; count 255 cuts the chunk off at the place instead.
+/// The first byte chooses a valid file; the others are edits of its chunks.
 inline void raster_chunks(std::span<const std::uint8_t> bytes) {
     if (bytes.empty()) return;
     const auto& files = valid_rasters();
     const auto& file = files[bytes[0] % files.size()];
     const auto reader = *ContainerReader::open(file);
     auto chunks = chunks_of(reader);
-    for (bytes = bytes.subspan(1); bytes.size() >= 4;) {
-        auto& chunk = chunks[bytes[0] % chunks.size()];
-        const std::size_t place = (bytes[1] | bytes[2] << 8) % (chunk.size() + 1);
-        const std::size_t count = bytes[3];
-        bytes = bytes.subspan(4);
-        if (count == 255) {
-            chunk.resize(place);
-            continue;
-        }
-        const std::size_t used = std::min(count, bytes.size());
-        if (chunk.size() < place + used) chunk.resize(place + used);
-        for (std::size_t k = 0; k < used; ++k)
-            chunk[place + k] = static_cast<std::uint8_t>(chunk[place + k] + bytes[k]);
-        bytes = bytes.subspan(used);
-    }
+    edit_chunks(bytes.subspan(1), chunks);
     raster(rebuilt(reader, reader.header(), chunks));
 }
 

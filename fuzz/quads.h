@@ -9,16 +9,13 @@
 #include <vector>
 
 #include "codec/quad_header.h"
+#include "containers.h"
 #include "relief/codec/container.h"
 #include "relief/codec/quad_codec.h"
 #include "relief/mesh/quadrangulation.h"
 
 /// What the fuzzers of files of quadrangulations run, and the tests on a small corpus.
 namespace relief::codec::fuzz {
-
-inline void require_quads(bool condition) {
-    if (!condition) std::abort();
-}
 
 /// A grid of cols x rows quads, its inner vertices moved, refined some times; heights with `digits`
 /// or none.
@@ -77,16 +74,16 @@ inline void explore(const QuadFile& file) {
     for (int level = 0; level <= file.levels(); ++level) {
         (void)file.bound(level);
         (void)file.surface_bound(level);
-        require_quads(file.bytes_for(level) <= file.size());
+        require(file.bytes_for(level) <= file.size());
         const auto mesh = file.decode(level);
-        require_quads(mesh.ok() || level < file.finest_level() ||
-                      mesh.error().code == ErrorCode::BadFile);
+        require(mesh.ok() || level < file.finest_level() ||
+                mesh.error().code == ErrorCode::BadFile);
         if (!mesh.ok()) continue;
-        require_quads(mesh->vertices.size() == file.counts(level).vertices);
+        require(mesh->vertices.size() == file.counts(level).vertices);
         for (const auto& vertex : mesh->vertices)
-            for (const double x : vertex) require_quads(std::isfinite(x));
+            for (const double x : vertex) require(std::isfinite(x));
         for (const auto& quad : mesh->quads)
-            for (const mesh::Index v : quad) require_quads(v < mesh->vertices.size());
+            for (const mesh::Index v : quad) require(v < mesh->vertices.size());
     }
 }
 
@@ -106,52 +103,21 @@ inline void quads(std::span<const std::uint8_t> bytes) {
         const auto moved = add_quad_moves(Bytes(bytes.begin(), bytes.end()), {{0, 0, 1}});
         if (moved.ok()) {
             const auto again = QuadFile::open(*moved);
-            require_quads(again.ok() && again->moves().size() == file->moves().size() + 1);
+            require(again.ok() && again->moves().size() == file->moves().size() + 1);
         }
     } else if (const auto prefix = QuadFile::open(source, bytes.size() - 1); prefix.ok()) {
         explore(*prefix);
     }
 }
 
-inline std::vector<Bytes> chunks_of_quads(const ContainerReader& reader) {
-    std::vector<Bytes> chunks;
-    for (std::size_t k = 0; k < reader.chunks().size(); ++k) {
-        chunks.push_back(*reader.chunk(k));
-    }
-    return chunks;
-}
-
-/// A file of these chunks whose checksums hold.
-inline Bytes quad_file_of(const std::string& header, const std::vector<Bytes>& chunks) {
-    ContainerWriter writer;
-    for (const Bytes& chunk : chunks) writer.add(chunk, 1);
-    const auto file = writer.finish(header);
-    return file.ok() ? *file : Bytes();
-}
-
-/// The first byte chooses a valid file. Then edits: chunk, place (2 bytes), count, and as many
-/// bytes that are added to those there; count 255 cuts the chunk off at the place instead.
+/// The first byte chooses a valid file; the others are edits of its chunks.
 inline void quad_chunks(std::span<const std::uint8_t> bytes) {
     if (bytes.empty()) return;
     const auto& files = valid_quad_files();
     const auto reader = *ContainerReader::open(files[bytes[0] % files.size()]);
-    auto chunks = chunks_of_quads(reader);
-    for (bytes = bytes.subspan(1); bytes.size() >= 4;) {
-        auto& chunk = chunks[bytes[0] % chunks.size()];
-        const std::size_t place = (bytes[1] | bytes[2] << 8) % (chunk.size() + 1);
-        const std::size_t count = bytes[3];
-        bytes = bytes.subspan(4);
-        if (count == 255) {
-            chunk.resize(place);
-            continue;
-        }
-        const std::size_t used = std::min(count, bytes.size());
-        if (chunk.size() < place + used) chunk.resize(place + used);
-        for (std::size_t k = 0; k < used; ++k)
-            chunk[place + k] = static_cast<std::uint8_t>(chunk[place + k] + bytes[k]);
-        bytes = bytes.subspan(used);
-    }
-    quads(quad_file_of(reader.header(), chunks));
+    auto chunks = chunks_of(reader);
+    edit_chunks(bytes.subspan(1), chunks);
+    quads(rebuilt(reader, reader.header(), chunks));
 }
 
 /// The bytes as the header of each of the valid files; what is read is written the same again.
@@ -160,10 +126,12 @@ inline void quad_header(std::span<const std::uint8_t> bytes) {
     if (const auto header = read_quad_header(text); header.ok()) {
         const std::string once = write_quad_header(*header);
         const auto again = read_quad_header(once);
-        require_quads(again.ok() && write_quad_header(*again) == once);
+        require(again.ok() && write_quad_header(*again) == once);
     }
-    for (const auto& file : valid_quad_files())
-        quads(quad_file_of(text, chunks_of_quads(*ContainerReader::open(file))));
+    for (const auto& file : valid_quad_files()) {
+        const auto reader = *ContainerReader::open(file);
+        quads(rebuilt(reader, text, chunks_of(reader)));
+    }
 }
 
 }  // namespace relief::codec::fuzz

@@ -79,6 +79,10 @@ Json json_number(double value) {
     return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
+Json json_number(const std::optional<double>& value) {
+    return value ? json_number(*value) : Json(nullptr);
+}
+
 Stopwatch::Stopwatch() : start_(now()) {}
 double Stopwatch::seconds() const {
     return now() - start_;

@@ -69,6 +69,35 @@ void stop_on_interrupt();
 [[nodiscard]] std::string grouped(std::int64_t value);
 /// JSON has no NaN or infinity: null.
 [[nodiscard]] Json json_number(double value);
+[[nodiscard]] Json json_number(const std::optional<double>& value);
+
+/// The chunks of a file, as `info` lists them. Requires: what a File's `chunks()` gives has kind,
+/// level, bytes, count and max_error.
+template <class File>
+[[nodiscard]] Json chunks_json(const File& file) {
+    Json chunks = Json::array();
+    for (const auto& chunk : file.chunks())
+        chunks.push_back(Json{{"kind", chunk.kind},
+                              {"level", chunk.level},
+                              {"bytes", chunk.bytes},
+                              {"count", chunk.count},
+                              {"max_error", json_number(chunk.max_error)}});
+    return chunks;
+}
+
+/// What every encoder reports of sizes and errors.
+template <class Report>
+[[nodiscard]] Json rate_json(const Report& report) {
+    return Json{{"samples", report.samples},
+                {"coefficients", report.coefficients},
+                {"kept", report.kept},
+                {"bytes", report.bytes},
+                {"bits_per_sample", report.bits_per_sample},
+                {"max_error", report.max_error},
+                {"rms_error", report.rms_error},
+                {"energy_percent", report.energy_percent},
+                {"bound", report.bound}};
+}
 
 /// Seconds since construction.
 class Stopwatch {

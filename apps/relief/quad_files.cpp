@@ -44,10 +44,6 @@ io::PolygonMesh polygons_of(const codec::QuadMesh& mesh) {
     return polygons;
 }
 
-Json optional_json(std::optional<double> number) {
-    return number ? json_number(*number) : Json(nullptr);
-}
-
 Json levels_json(const codec::QuadFile& file) {
     Json levels = Json::array();
     for (int level = 0; level <= file.levels(); ++level)
@@ -55,20 +51,9 @@ Json levels_json(const codec::QuadFile& file) {
                               {"vertices", file.counts(level).vertices},
                               {"quads", file.counts(level).quads},
                               {"bytes", file.bytes_for(level)},
-                              {"bound", optional_json(file.bound(level))},
-                              {"surface_bound", optional_json(file.surface_bound(level))}});
+                              {"bound", json_number(file.bound(level))},
+                              {"surface_bound", json_number(file.surface_bound(level))}});
     return levels;
-}
-
-Json chunks_json(const codec::QuadFile& file) {
-    Json chunks = Json::array();
-    for (const auto& chunk : file.chunks())
-        chunks.push_back(Json{{"kind", chunk.kind},
-                              {"level", chunk.level},
-                              {"bytes", chunk.bytes},
-                              {"count", chunk.count},
-                              {"max_error", json_number(chunk.max_error)}});
-    return chunks;
 }
 
 /// The vertices that each level adds.
@@ -133,8 +118,8 @@ Result<Outcome> decode_quads(const std::string& in, const std::string& out, int 
     outcome.json = Json{{"samples", mesh->vertices.size()},
                         {"bytes_read", file.bytes_for(level)},
                         {"level", level},
-                        {"bound", optional_json(file.bound(level))},
-                        {"surface_bound", optional_json(surface)},
+                        {"bound", json_number(file.bound(level))},
+                        {"surface_bound", json_number(surface)},
                         {"quads", mesh->quads.size()},
                         {"finest_level", file.finest_level()},
                         {"seconds", watch.seconds()}};
@@ -168,8 +153,8 @@ Result<Outcome> info_of_quads(const std::string& path) {
                         {"bytes", file.size()},
                         {"max_error", json_number(file.max_error())},
                         {"rms_error", json_number(file.rms_error())},
-                        {"bound", optional_json(file.bound(0))},
-                        {"surface_bound", optional_json(file.surface_bound(0))},
+                        {"bound", json_number(file.bound(0))},
+                        {"surface_bound", json_number(file.surface_bound(0))},
                         {"edits", file.moves().size()},
                         {"crs", ""},
                         {"extent", file.extent()},

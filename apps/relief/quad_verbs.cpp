@@ -73,21 +73,11 @@ Result<Outcome> encode_quads(const std::string& in, const std::string& out,
     RELIEF_CHECK(io::write_file_atomically(out, encoded->bytes));
     const codec::QuadReport& report = encoded->report;
     Outcome outcome;
-    outcome.json = Json{{"scheme", "fvs"},
-                        {"order", 3},
-                        {"levels", report.levels},
-                        {"samples", report.samples},
-                        {"coefficients", report.coefficients},
-                        {"kept", report.kept},
-                        {"bytes", report.bytes},
-                        {"bits_per_sample", report.bits_per_sample},
-                        {"max_error", report.max_error},
-                        {"rms_error", report.rms_error},
-                        {"energy_percent", report.energy_percent},
-                        {"bound", report.bound},
-                        {"surface_bound", json_number(report.surface_bound)},
-                        {"quads", mesh.quads.size()},
-                        {"seconds", watch.seconds()}};
+    outcome.json = Json{{"scheme", "fvs"}, {"order", 3}, {"levels", report.levels}};
+    outcome.json.update(rate_json(report));
+    outcome.json.update(Json{{"surface_bound", json_number(report.surface_bound)},
+                             {"quads", mesh.quads.size()},
+                             {"seconds", watch.seconds()}});
     outcome.text = fmt::format(
         "{}: {} vertices, {} quads -> {} bytes, {:.4g} bits a vertex\n"
         "scheme fvs, {} levels, {} of {} numbers kept\n"

@@ -54,23 +54,16 @@ std::string text_of(const Encode& options, const codec::EncodeReport& report,
 }
 
 Json json_of(const codec::EncodeReport& report, const std::string& profile, double seconds) {
-    return Json{{"scheme", multires::scheme_name(report.spec.id)},
-                {"order", report.spec.order},
-                {"levels", report.spec.levels},
-                {"samples", report.samples},
-                {"coefficients", report.coefficients},
-                {"kept", report.kept},
-                {"bytes", report.bytes},
-                {"bits_per_sample", report.bits_per_sample},
-                {"max_error", report.max_error},
-                {"rms_error", report.rms_error},
-                {"energy_percent", report.energy_percent},
-                {"bound", report.bound},
-                {"corrected", report.corrected},
-                {"closed_loop", report.closed_loop},
-                {"profile", report.closed_loop ? Json(profile) : Json(nullptr)},
-                {"lattice", report.lattice > 0 ? Json(report.lattice) : Json(nullptr)},
-                {"seconds", seconds}};
+    Json json{{"scheme", multires::scheme_name(report.spec.id)},
+              {"order", report.spec.order},
+              {"levels", report.spec.levels}};
+    json.update(rate_json(report));
+    json.update(Json{{"corrected", report.corrected},
+                     {"closed_loop", report.closed_loop},
+                     {"profile", report.closed_loop ? Json(profile) : Json(nullptr)},
+                     {"lattice", report.lattice > 0 ? Json(report.lattice) : Json(nullptr)},
+                     {"seconds", seconds}});
+    return json;
 }
 
 Result<Outcome> run(const Encode& options, const Globals& globals) {

@@ -45,25 +45,16 @@ Result<Outcome> info_of_relief(const std::string& path) {
     Outcome outcome;
     Json bands = Json::array();
     for (const auto& band : file.bands()) bands.push_back(band_json(band));
-    Json chunks = Json::array();
-    for (const auto& chunk : file.chunks())
-        chunks.push_back(Json{{"kind", chunk.kind},
-                              {"level", chunk.level},
-                              {"bytes", chunk.bytes},
-                              {"count", chunk.count},
-                              {"max_error", json_number(chunk.max_error)}});
     Json levels = Json::array();
     for (int level = 0; level <= layout.levels(); ++level) {
         const LatticeBox box = multires::scaling_box(layout, level);
-        const auto bound = file.bound(level);
-        const auto surface = file.surface_bound(level);
         levels.push_back(Json{{"level", level},
                               {"control_rows", box.rows},
                               {"control_cols", box.cols},
                               {"control_origin", Json::array({box.row0, box.col0})},
                               {"bytes", file.bytes_for(level)},
-                              {"bound", bound ? json_number(*bound) : Json(nullptr)},
-                              {"surface_bound", surface ? json_number(*surface) : Json(nullptr)}});
+                              {"bound", json_number(file.bound(level))},
+                              {"surface_bound", json_number(file.surface_bound(level))}});
     }
     const auto bound = file.bound(0);
     outcome.json = Json{{"format", "relief"},
@@ -80,11 +71,11 @@ Result<Outcome> info_of_relief(const std::string& path) {
                         {"unit", about.unit},
                         {"bands", bands},
                         {"level_list", levels},
-                        {"chunks", chunks},
+                        {"chunks", chunks_json(file)},
                         {"bytes", file.size()},
                         {"max_error", json_number(file.max_error())},
                         {"rms_error", json_number(file.rms_error())},
-                        {"bound", bound ? json_number(*bound) : Json(nullptr)},
+                        {"bound", json_number(bound)},
                         {"edits", file.moves().size()},
                         {"crs", about.geo.crs},
                         {"extent", extent_of(about.geo, layout.rows, layout.cols)},

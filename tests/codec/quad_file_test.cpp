@@ -544,7 +544,7 @@ TEST(HostileQuads, HeaderMembersOutOfRangeAreNamed) {
         auto header = nlohmann::json::parse(reader.header());
         header[nlohmann::json::json_pointer(path)] = nlohmann::json::parse(value);
         const auto opened =
-            QuadFile::open(fuzz::quad_file_of(header.dump(), fuzz::chunks_of_quads(reader)));
+            QuadFile::open(fuzz::rebuilt(reader, header.dump(), fuzz::chunks_of(reader)));
         ASSERT_FALSE(opened.ok()) << path << " " << value;
         EXPECT_NE(opened.error().text().find(says), std::string::npos)
             << path << " " << value << ": " << opened.error().text();
@@ -557,9 +557,9 @@ TEST(HostileQuads, LevelsThatTheFileIsTooSmallFor) {
     const ContainerReader reader = *ContainerReader::open(file);
     auto header = nlohmann::json::parse(reader.header());
     header["scheme"]["levels"] = 14;
-    auto chunks = fuzz::chunks_of_quads(reader);
+    auto chunks = fuzz::chunks_of(reader);
     chunks.resize(chunks.size() + 14);
-    const auto opened = QuadFile::open(fuzz::quad_file_of(header.dump(), chunks));
+    const auto opened = QuadFile::open(fuzz::rebuilt(reader, header.dump(), chunks));
     ASSERT_FALSE(opened.ok());
     EXPECT_NE(opened.error().message.find("too small"), std::string::npos);
 }
