@@ -8,13 +8,11 @@
 
 #include "relief/core/result.h"
 #include "relief/core/vec2.h"
+#include "relief/mesh/index.h"
 
 /// Quadrangulations of the plane and their refinement through the intersections of the diagonals.
 /// Source: fvs-hierarchical.md sections 1, 3 and 11; docs/fvs.md.
 namespace relief::mesh {
-
-/// Vertices, edges and quads count from 0; there are fewer than 2^31 of each.
-using Index = std::uint32_t;
 
 /// Strictly convex quads in the plane, any two of which share one edge, one vertex or nothing.
 /// Invariant: made by `build` or `refine`. Holes, several components, vertices of any valence and
@@ -100,7 +98,7 @@ struct VertexQuads {
 [[nodiscard]] VertexQuads vertex_quads(const Quadrangulation& mesh);
 
 /// The one or two quads of each edge, the smaller first; the second of a boundary edge is kNoQuad.
-inline constexpr Index kNoQuad = ~Index{0};
+inline constexpr Index kNoQuad = kNone;
 [[nodiscard]] std::vector<std::array<Index, 2>> edge_quads(const Quadrangulation& mesh);
 
 /// The smallest angle of the quad's four triangles, in degrees. For messages: not the same bits on

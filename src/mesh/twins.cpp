@@ -1,0 +1,76 @@
+#include "mesh/twins.h"
+
+#include <algorithm>
+
+namespace relief::mesh {
+
+namespace {
+
+/// A half-edge among those with the same smaller end.
+struct Entry {
+    Index key;  ///< 2 x the larger end + 1 if it begins there
+    Index half_edge;
+
+    [[nodiscard]] Index larger() const { return key >> 1; }
+};
+
+/// Buckets are small: about 3 entries.
+void sort_bucket(Entry* first, Entry* last) {
+    constexpr std::ptrdiff_t few = 24;
+    const auto less = [](const Entry& a, const Entry& b) { return a.key < b.key; };
+    if (last - first > few) return std::stable_sort(first, last, less);
+    for (Entry* i = first; i != last; ++i)
+        for (Entry* j = i; j != first && less(*j, *(j - 1)); --j) std::swap(*j, *(j - 1));
+}
+
+/// Returns a half-edge without a unique twin.
+Index match(const Entry* first, const Entry* last, Buffer<Index>& twin) {
+    while (first != last) {
+        const Entry* end = first + 1;
+        while (end != last && end->larger() == first->larger()) ++end;
+        const bool pair = end - first == 2 && first->key != (first + 1)->key;
+        if (end - first > 1 && !pair) return (first + 1)->half_edge;
+        twin[first->half_edge] = pair ? (first + 1)->half_edge : kNone;
+        if (pair) twin[(first + 1)->half_edge] = first->half_edge;
+        first = end;
+    }
+    return kNone;
+}
+
+}  // namespace
+
+Index find_twins(Topology& mesh) {
+    mesh.twin = Buffer<Index>(mesh.origin.size());
+    Buffer<Index> ends(std::size_t{mesh.vertex_count} + 1);
+    std::fill_n(ends.data(), ends.size(), Index{0});
+    const auto each = [&](auto visit) {
+        for (Index f = 0; f < mesh.face_count; ++f) {
+            const Index begin = mesh.first_of(f);
+            const Index end = mesh.first_of(f + 1);
+            for (Index h = begin; h < end; ++h)
+                visit(h, mesh.origin[h], mesh.origin[h + 1 == end ? begin : h + 1]);
+        }
+    };
+    each([&](Index, Index a, Index b) { ++ends[std::min(a, b)]; });
+    Index sum = 0;
+    for (Index v = 0; v <= mesh.vertex_count; ++v) {
+        const Index size = ends[v];
+        ends[v] = sum;
+        sum += size;
+    }
+    Buffer<Entry> entries(mesh.origin.size());
+    each([&](Index h, Index a, Index b) {
+        entries[ends[std::min(a, b)]++] = {2 * std::max(a, b) + (a > b), h};
+    });
+    Index begin = 0;
+    for (Index v = 0; v < mesh.vertex_count; ++v) {
+        Entry* const first = entries.data() + begin;
+        Entry* const last = entries.data() + ends[v];
+        begin = ends[v];
+        sort_bucket(first, last);
+        if (const Index bad = match(first, last, mesh.twin); bad != kNone) return bad;
+    }
+    return kNone;
+}
+
+}  // namespace relief::mesh
