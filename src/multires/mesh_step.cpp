@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "multires/conjugate_gradient.h"
+#include "multires/mesh_points.h"
 #include "relief/mesh/walk.h"
 
 namespace relief::multires {
@@ -114,19 +115,11 @@ struct QuadPoints {
 
 template <class T>
 struct Sqrt3Points {
-    static Index point(const Topology& mesh, const StepRules& rules, Index f) {
-        return rules.face_points[f] - mesh.vertex_count;
-    }
-    /// Even steps: faces with a boundary edge have two points on it instead.
-    static bool trisected(const Topology& mesh, const StepRules& rules, Index f) {
-        return !rules.trisections.empty() && mesh::boundary_side(mesh, f) != kNone;
-    }
-
     static void predict(const Topology& mesh, const StepRules& rules, const Vec3<T>* c,
                         Vec3<T>* fresh) {
         for (Index f = 0; f < mesh.face_count; ++f) {
             const Index* v = mesh.origin.data() + 3 * f;
-            fresh[point(mesh, rules, f)] =
+            fresh[face_point(mesh, rules, f)] =
                 weight<T>(rules::kFacePoint3) * (c[v[0]] + c[v[1]] + c[v[2]]);
         }
         for (const Trisection& third : rules.trisections) {
@@ -149,8 +142,8 @@ struct Sqrt3Points {
     static void adjoint(const Topology& mesh, const StepRules& rules, const Vec3<T>* y,
                         Vec3<T>* c) {
         for (Index f = 0; f < mesh.face_count; ++f) {
-            if (trisected(mesh, rules, f)) continue;
-            const Vec3<T> share = weight<T>(rules::kFacePoint3) * y[point(mesh, rules, f)];
+            if (is_trisected(mesh, rules, f)) continue;
+            const Vec3<T> share = weight<T>(rules::kFacePoint3) * y[face_point(mesh, rules, f)];
             for (Index h = 3 * f; h < 3 * f + 3; ++h) c[mesh.origin[h]] += share;
         }
         for (const Trisection& third : rules.trisections) {
@@ -168,27 +161,6 @@ struct Sqrt3Points {
         if (!corner) beyond += weight<T>(rules::kThirdBeyond) * y;
     }
 };
-
-/// What K does before its weights: visit(vertex, point) for the points around each vertex.
-template <class T, class Visit>
-void each_point_around(const Topology& mesh, const StepRules& rules, Visit&& visit) {
-    if (rules.split == Split::Loop || rules.split == Split::CatmullClark) {
-        mesh::each_edge(mesh, [&](Index h, Index next, Index) {
-            visit(mesh.origin[h], mesh.edge[h], T{1});
-            visit(mesh.origin[next], mesh.edge[h], T{1});
-        });
-        if (rules.split == Split::Loop) return;
-        mesh::each_half_edge(mesh, [&](Index f, Index h, Index, Index) {
-            visit(mesh.origin[h], mesh.edge_count + f, T{-0.25});
-        });
-        return;
-    }
-    for (Index f = 0; f < mesh.face_count; ++f) {
-        if (Sqrt3Points<T>::trisected(mesh, rules, f)) continue;
-        const Index point = Sqrt3Points<T>::point(mesh, rules, f);
-        for (Index h = 3 * f; h < 3 * f + 3; ++h) visit(mesh.origin[h], point, T{1});
-    }
-}
 
 }  // namespace
 

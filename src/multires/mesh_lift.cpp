@@ -1,0 +1,197 @@
+#include "relief/multires/mesh_lift.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "multires/conjugate_gradient.h"
+#include "multires/mesh_curves.h"
+#include "multires/mesh_points.h"
+
+namespace relief::multires {
+
+namespace {
+
+using mesh::Index;
+using Points = std::vector<Vec3<double>>;
+
+constexpr int kMostSweeps = 64;
+constexpr double kLeastSquares = 1e-13;
+
+/// The weight of an end of its edge, or of a corner of its face, in each new vertex.
+std::vector<double> star_weights(const MeshStep<double>& step) {
+    const mesh::Topology& mesh = step.coarse();
+    const StepRules& rules = step.rules();
+    std::vector<double> weights(step.new_count(), rules::kFacePoint3);
+    if (rules.split != mesh::Split::Loop && rules.split != mesh::Split::CatmullClark)
+        return weights;
+    const auto share = [&](Index h) { return 1.0 / mesh.size_of(mesh.face_of(h)); };
+    mesh::each_edge(mesh, [&](Index h, Index, Index) {
+        const bool sharp =
+            mesh.on_boundary(h) || (!rules.sharp.empty() && rules.sharp[mesh.edge[h]]);
+        double& weight = weights[mesh.edge[h]];
+        if (sharp)
+            weight = rules::kSharpEdgeEnd;
+        else if (rules.split == mesh::Split::Loop)
+            weight = rules::kLoopEdgeEnd;
+        else
+            weight = rules::kQuadEdgeEnd + rules::kQuadEdgeFace * (share(h) + share(mesh.twin[h]));
+    });
+    if (rules.split == mesh::Split::CatmullClark)
+        for (Index f = 0; f < mesh.face_count; ++f)
+            weights[mesh.edge_count + f] = 1.0 / mesh.size_of(f);
+    return weights;
+}
+
+}  // namespace
+
+struct MeshLift::State {
+    State(const MeshStep<double>& its_step, const LiftOptions& its_options)
+        : step(its_step), options(its_options), curves(its_step) {}
+
+    void prepare() {
+        if (options.kind == LiftKind::Ring) prepare_ring();
+        if (options.kind == LiftKind::Chebyshev) prepare_sums();
+    }
+
+    [[nodiscard]] bool is_inner(Index v) const { return step.rules().kinds[v] <= VertexKind::Dart; }
+    void keep_inner(Vec3<double>* c) const {
+        for (Index v = 0; v < step.coarse_count(); ++v)
+            if (!is_inner(v)) c[v] = {};
+    }
+
+    /// Column sums of P over inner vertices.
+    void prepare_sums() {
+        Points ones(step.coarse_count() + step.new_count(), {1, 0, 0});
+        Points sums(step.coarse_count());
+        step.adjoint(ones.data(), ones.data() + step.coarse_count(), sums.data());
+        for (const auto& sum : sums) scale.push_back(1 / sum.x);
+    }
+
+    /// Squares of the columns of P, cut to the vertex itself and its star; K P of the same.
+    void prepare_ring() {
+        const StepRules& rules = step.rules();
+        star = star_weights(step);
+        self.assign(rules.self.data(), rules.self.data() + rules.self.size());
+        std::vector<double> squares(step.coarse_count(), 0);
+        each_point_around<double>(step.coarse(), rules, [&](Index v, Index point, double sign) {
+            self[v] += sign * rules.point[v] * star[point];
+            squares[v] += star[point] * star[point];
+        });
+        for (const PointWeight& w : rules.points) self[w.vertex] += w.weight * star[w.point];
+        for (std::size_t v = 0; v < squares.size(); ++v)
+            scale.push_back(1 / (self[v] * self[v] + squares[v]));
+    }
+
+    void ring(const Points& old, const Points& fresh, Vec3<double>* out) const {
+        Points sums(step.coarse_count());
+        for (std::size_t v = 0; v < sums.size(); ++v) sums[v] = self[v] * old[v];
+        each_point_around<double>(step.coarse(), step.rules(), [&](Index v, Index point, double) {
+            sums[v] += star[point] * fresh[point];
+        });
+        for (Index v = 0; v < step.coarse_count(); ++v)
+            if (is_inner(v)) out[v] = scale[v] * sums[v];
+    }
+
+    /// y = P^T P x over inner vertices.
+    void normal(const Points& x, Points& y, Points& old, Points& fresh) const {
+        step.apply(x.data(), old.data(), fresh.data());
+        step.adjoint(old.data(), fresh.data(), y.data());
+        keep_inner(y.data());
+    }
+
+    /// Section 7.2: towards P^T P x = target.
+    void chebyshev(const Points& target, Vec3<double>* out) const {
+        const double centre = (1 + options.lowest) / 2;
+        const double radius = (1 - options.lowest) / 2;
+        const double sigma = centre / radius;
+        double rho = 1 / sigma;
+        const std::size_t count = target.size();
+        Points x(count);
+        Points move(count);
+        Points image(count);
+        Points old(count);
+        Points fresh(step.new_count());
+        for (std::size_t v = 0; v < count; ++v) move[v] = scale[v] / centre * target[v];
+        for (int sweep = 1;; ++sweep) {
+            for (std::size_t v = 0; v < count; ++v) x[v] += move[v];
+            if (sweep == options.sweeps) break;
+            normal(x, image, old, fresh);
+            const double next = 1 / (2 * sigma - rho);
+            const double step_size = 2 * next / radius;
+            for (std::size_t v = 0; v < count; ++v)
+                move[v] = next * rho * move[v] + step_size * scale[v] * (target[v] - image[v]);
+            rho = next;
+        }
+        for (Index v = 0; v < count; ++v)
+            if (is_inner(v)) out[v] = x[v];
+    }
+
+    void least_squares(const Points& target, Vec3<double>* out) const {
+        Points old(step.coarse_count());
+        Points fresh(step.new_count());
+        const Points x = conjugate_gradient<double>(
+            target, [&](const Points& p, Points& y) { normal(p, y, old, fresh); }, kLeastSquares);
+        for (Index v = 0; v < x.size(); ++v)
+            if (is_inner(v)) out[v] = x[v];
+    }
+
+    const MeshStep<double>& step;
+    LiftOptions options;
+    MeshCurves curves;
+    std::vector<double> scale;  ///< [vertex]
+    std::vector<double> self;   ///< ring: of a vertex in its own fine position
+    std::vector<double> star;   ///< ring: [new vertex]
+};
+
+LiftOptions default_lift(MeshScheme scheme, int level) {
+    const int sweeps = scheme == MeshScheme::Sqrt3 ? 4 : scheme == MeshScheme::Loop ? 6 : 12;
+    const double lowest = scheme == MeshScheme::CatmullClark ? 1.0 / 16 : 1.0 / 8;
+    const int doubled = level < 4 ? sweeps << level : kMostSweeps;
+    return {LiftKind::Chebyshev, std::min(doubled, kMostSweeps), lowest};
+}
+
+Result<MeshLift> MeshLift::create(const MeshStep<double>& step, const LiftOptions& options) {
+    if (options.kind == LiftKind::Chebyshev &&
+        (options.sweeps < 1 || !(options.lowest > 0 && options.lowest < 1)))
+        return Error{ErrorCode::InvalidArgument,
+                     "invalid_parameter: Chebyshev lifting needs sweeps from 1 on and a lowest "
+                     "eigenvalue between 0 and 1",
+                     "lift"};
+    auto state = std::make_unique<State>(step, options);
+    state->prepare();
+    return MeshLift(std::move(state));
+}
+
+MeshLift::MeshLift(std::unique_ptr<State> state) : state_(std::move(state)) {}
+MeshLift::MeshLift(MeshLift&&) noexcept = default;
+MeshLift& MeshLift::operator=(MeshLift&&) noexcept = default;
+MeshLift::~MeshLift() = default;
+
+void MeshLift::apply(const Vec3<double>* details, const Vec3<double>* residuals,
+                     Vec3<double>* out) const {
+    const MeshStep<double>& step = state_->step;
+    std::fill_n(out, step.coarse_count(), Vec3<double>());
+    if (state_->options.kind == LiftKind::None) return;
+    // What the plain reversal leaves everywhere: e = Q d.
+    Points fresh(details, details + step.new_count());
+    Points old(step.coarse_count());
+    step.gather(fresh.data(), old.data());
+    const auto& stiff = step.rules().stiff.vertices;
+    for (std::size_t k = 0; k < stiff.size(); ++k) old[stiff[k]] += residuals[k];
+    if (!state_->curves.empty()) {
+        state_->curves.fit(old.data(), fresh.data(), out);
+        Points old_part(old.size());
+        Points fresh_part(fresh.size());
+        step.apply(out, old_part.data(), fresh_part.data());
+        for (std::size_t k = 0; k < old.size(); ++k) old[k] -= old_part[k];
+        for (std::size_t k = 0; k < fresh.size(); ++k) fresh[k] -= fresh_part[k];
+    }
+    if (state_->options.kind == LiftKind::Ring) return state_->ring(old, fresh, out);
+    Points target(old.size());
+    step.adjoint(old.data(), fresh.data(), target.data());
+    state_->keep_inner(target.data());
+    if (state_->options.kind == LiftKind::Chebyshev) return state_->chebyshev(target, out);
+    state_->least_squares(target, out);
+}
+
+}  // namespace relief::multires
