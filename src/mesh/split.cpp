@@ -88,10 +88,11 @@ void split_polygons(const Topology& coarse, Topology& fine) {
 class Sqrt3 {
   public:
     Sqrt3(const Topology& coarse, Split split, Topology& fine)
-        : coarse_(coarse), even_(split == Split::Sqrt3Even), fine_(fine) {
-        points_ = face_points(coarse, split);
-        number_faces();
-    }
+        : coarse_(coarse),
+          even_(split == Split::Sqrt3Even),
+          fine_(fine),
+          points_(face_points(coarse, split)),
+          faces_(sqrt3_faces(coarse, split)) {}
 
     void split() {
         for (Index h = 0; h < coarse_.half_edge_count(); ++h)
@@ -104,27 +105,6 @@ class Sqrt3 {
     }
 
   private:
-    /// Of each half-edge; of one on the boundary, in even steps, the face (p, q, c).
-    void number_faces() {
-        faces_ = Buffer<Index>(coarse_.half_edge_count());
-        Index count = 0;
-        for (Index h = 0; h < coarse_.half_edge_count(); ++h) {
-            if (!coarse_.is_first(h)) continue;
-            const Index twin = coarse_.twin[h];
-            if (twin == kNone) {
-                if (!even_) faces_[h] = count++;
-                continue;
-            }
-            const bool ascends = coarse_.origin[h] < coarse_.origin[next3(h)];
-            faces_[h] = ascends ? count : count + 1;
-            faces_[twin] = ascends ? count + 1 : count;
-            count += 2;
-        }
-        if (!even_) return;
-        for (Index h = 0; h < coarse_.half_edge_count(); ++h)
-            if (coarse_.on_boundary(h)) faces_[h] = count++;
-    }
-
     /// The side of the face of h that is trisected.
     [[nodiscard]] Index trisected(Index h) const {
         return even_ ? boundary_side(coarse_, h / 3) : kNone;
@@ -283,6 +263,27 @@ FacePoints face_points(const Topology& coarse, Split split) {
         vertex += boundary_side(coarse, f) == kNone ? 1 : 2;
     }
     return points;
+}
+
+Buffer<Index> sqrt3_faces(const Topology& coarse, Split split) {
+    const bool even = split == Split::Sqrt3Even;
+    Buffer<Index> faces(coarse.half_edge_count());
+    Index count = 0;
+    for (Index h = 0; h < coarse.half_edge_count(); ++h) {
+        if (!coarse.is_first(h)) continue;
+        const Index twin = coarse.twin[h];
+        if (twin == kNone) {
+            if (!even) faces[h] = count++;
+            continue;
+        }
+        const bool ascends = coarse.origin[h] < coarse.origin[next3(h)];
+        faces[h] = ascends ? count : count + 1;
+        faces[twin] = ascends ? count + 1 : count;
+        count += 2;
+    }
+    for (Index h = 0; even && h < coarse.half_edge_count(); ++h)
+        if (coarse.on_boundary(h)) faces[h] = count++;
+    return faces;
 }
 
 Index boundary_side(const Topology& triangles, Index f) {

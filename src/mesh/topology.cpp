@@ -145,7 +145,8 @@ Result<Topology> build(std::span<const std::int64_t> offsets, std::span<const In
     Topology mesh;
     mesh.vertex_count = vertex_count;
     set_faces(offsets, corners, mesh);
-    if (const Index bad = find_twins(mesh); bad != kNone) return bad_edge(mesh, bad);
+    const std::vector<Index> bad = find_twins(mesh);
+    if (!bad.empty()) return bad_edge(mesh, *std::min_element(bad.begin(), bad.end()));
     RELIEF_CHECK(check_vertices(mesh));
     number_edges(mesh);
     return mesh;

@@ -23,23 +23,24 @@ void sort_bucket(Entry* first, Entry* last) {
         for (Entry* j = i; j != first && less(*j, *(j - 1)); --j) std::swap(*j, *(j - 1));
 }
 
-/// Returns a half-edge without a unique twin.
-Index match(const Entry* first, const Entry* last, Buffer<Index>& twin) {
+void match(const Entry* first, const Entry* last, Buffer<Index>& twin, std::vector<Index>& bad) {
     while (first != last) {
         const Entry* end = first + 1;
         while (end != last && end->larger() == first->larger()) ++end;
         const bool pair = end - first == 2 && first->key != (first + 1)->key;
-        if (end - first > 1 && !pair) return (first + 1)->half_edge;
-        twin[first->half_edge] = pair ? (first + 1)->half_edge : kNone;
-        if (pair) twin[(first + 1)->half_edge] = first->half_edge;
+        if (end - first > 1 && !pair) bad.push_back((first + 1)->half_edge);
+        for (const Entry* entry = first; entry != end; ++entry) twin[entry->half_edge] = kNone;
+        if (pair) {
+            twin[first->half_edge] = (first + 1)->half_edge;
+            twin[(first + 1)->half_edge] = first->half_edge;
+        }
         first = end;
     }
-    return kNone;
 }
 
 }  // namespace
 
-Index find_twins(Topology& mesh) {
+std::vector<Index> find_twins(Topology& mesh) {
     mesh.twin = Buffer<Index>(mesh.origin.size());
     Buffer<Index> ends(std::size_t{mesh.vertex_count} + 1);
     std::fill_n(ends.data(), ends.size(), Index{0});
@@ -62,15 +63,16 @@ Index find_twins(Topology& mesh) {
     each([&](Index h, Index a, Index b) {
         entries[ends[std::min(a, b)]++] = {2 * std::max(a, b) + (a > b), h};
     });
+    std::vector<Index> bad;
     Index begin = 0;
     for (Index v = 0; v < mesh.vertex_count; ++v) {
         Entry* const first = entries.data() + begin;
         Entry* const last = entries.data() + ends[v];
         begin = ends[v];
         sort_bucket(first, last);
-        if (const Index bad = match(first, last, mesh.twin); bad != kNone) return bad;
+        match(first, last, mesh.twin, bad);
     }
-    return kNone;
+    return bad;
 }
 
 }  // namespace relief::mesh

@@ -59,6 +59,11 @@ struct FacePoints {
 /// Requires: not Loop.
 [[nodiscard]] FacePoints face_points(const Topology& coarse, Split split);
 
+/// sqrt(3): the fine face that begins at half-edge h: (origin, point beyond, point of its own
+/// face); on the boundary (origin, target, point of its face) in odd steps, the middle face (p, q,
+/// c) in even ones.
+[[nodiscard]] Buffer<Index> sqrt3_faces(const Topology& coarse, Split split);
+
 /// The half-edge of a triangle that is on the boundary; kNone: there is none.
 [[nodiscard]] Index boundary_side(const Topology& triangles, Index f);
 

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "relief/mesh/split.h"
+
+/// Recognises meshes that come from a split, whatever their numbering. Source:
+/// reverse-subdivision.md section 9.
+namespace relief::mesh {
+
+/// A mesh whose split is the given one.
+///
+/// Vertices are numbered as they are in the finer mesh, faces begin with their smallest vertex and
+/// are sorted.
+struct Unsplit {
+    Topology mesh;
+    /// Of coarse half-edge h the fine one that the split puts there: from its origin to the new
+    /// point on its edge (Loop, Catmull-Clark) or beyond it (sqrt(3)); sqrt(3) on the boundary:
+    /// itself (odd steps), or its middle third (even steps).
+    Buffer<Index> fine;
+    std::vector<Index> old_vertices;  ///< of the finer mesh: those of the coarser one, ascending
+};
+
+/// Which half-edges of a finer mesh the split of a coarser one gives: for each half-edge of
+/// refine(coarse, split). start: for each half-edge of `coarse` what Unsplit::fine says.
+[[nodiscard]] Buffer<Index> fine_half_edges(const Topology& coarse, Split split,
+                                            const Topology& fine, const Buffer<Index>& start);
+
+/// Ways to see the components of a mesh as split; none for those that are not.
+class Recognition {
+  public:
+    /// `fine` must outlive this. quads_only: Catmull-Clark, the coarser mesh has quads only.
+    /// Complexity: O(n).
+    Recognition(const Topology& fine, Split split, bool quads_only = false);
+
+    [[nodiscard]] std::size_t components() const { return ways_.size(); }
+    /// In how many ways component k is split: at most four. Regular tori have several, and closed
+    /// Catmull-Clark meshes where coarse vertices and face points may be exchanged.
+    [[nodiscard]] std::size_t ways(std::size_t k) const { return ways_[k].size(); }
+    /// The component of each fine face.
+    [[nodiscard]] const Components& parts() const { return parts_; }
+    /// Every component has a way.
+    [[nodiscard]] bool ok() const;
+    /// `no_subdivision_connectivity`: of the first component without a way, and why. Requires: not
+    /// ok().
+    [[nodiscard]] Error error() const;
+
+    /// The coarser mesh. choice: for each component the number of a way. Errors: those of build,
+    /// which do not happen.
+    [[nodiscard]] Result<Unsplit> unsplit(const std::vector<std::size_t>& choice) const;
+
+  private:
+    /// One a face: which of its corners are old ones. See split_labels.h.
+    using Labels = std::vector<std::uint8_t>;
+
+    void find(std::size_t component, Index seed, std::span<const Index> boundary);
+    void drop(std::size_t way, const std::vector<bool>& bad, const char* reason);
+    void check_vertices(std::size_t way, std::span<const Index> valences);
+    void check_thirds(std::span<const std::uint8_t> roles, std::vector<bool>& bad) const;
+    void check_coarse_edges(std::size_t way);
+
+    const Topology& fine_;
+    Split split_;
+    bool quads_only_;
+    Components parts_;
+    std::vector<Labels> labels_;                  ///< [way]: of all faces
+    std::vector<std::vector<std::size_t>> ways_;  ///< [component]: those that it has
+    std::vector<std::string> reasons_;            ///< [component]: why it has none
+};
+
+}  // namespace relief::mesh
