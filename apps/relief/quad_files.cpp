@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::string_view kQuadrangulation = "quadrangulation";
 
-Result<codec::QuadMesh> quads_of(const io::PolygonMesh& polygons, const std::string& path) {
+Result<codec::QuadMesh> quads_of(const PolygonMesh& polygons, const std::string& path) {
     codec::QuadMesh mesh{polygons.vertices, {}};
     for (std::int64_t k = 0; k < polygons.polygon_count(); ++k) {
         const auto polygon = polygons.polygon(k);
@@ -33,8 +33,8 @@ Result<codec::QuadMesh> quads_of(const io::PolygonMesh& polygons, const std::str
     return mesh;
 }
 
-io::PolygonMesh polygons_of(const codec::QuadMesh& mesh) {
-    io::PolygonMesh polygons;
+PolygonMesh polygons_of(const codec::QuadMesh& mesh) {
+    PolygonMesh polygons;
     polygons.vertices = mesh.vertices;
     for (const auto& quad : mesh.quads) {
         std::array<std::int32_t, 4> corners{};
@@ -97,8 +97,8 @@ Result<codec::QuadFile> open_quads(const std::string& path,
 
 Result<codec::QuadMesh> read_quads(const std::string& path) {
     if (io::recognise(path) == io::FileKind::Mesh) {
-        RELIEF_TRY(const io::PolygonMesh polygons, io::read_mesh(path));
-        return quads_of(polygons, path);
+        RELIEF_TRY(const io::LoadedMesh loaded, io::read_mesh(path));
+        return quads_of(loaded.mesh, path);
     }
     RELIEF_TRY(const codec::QuadFile file, open_quads(path));
     auto mesh = file.decode(0);
@@ -112,7 +112,8 @@ Result<Outcome> decode_quads(const std::string& in, const std::string& out, int 
     RELIEF_TRY(const codec::QuadFile file, open_quads(in, max_bytes));
     const auto mesh = file.decode(level);
     if (!mesh.ok()) return located(mesh.error(), in);
-    RELIEF_CHECK(io::write_mesh(out, polygons_of(*mesh)));
+    if (const auto written = io::write_mesh(out, polygons_of(*mesh)); !written.ok())
+        return written.error();
     const auto surface = file.surface_bound(level);
     Outcome outcome;
     outcome.json = Json{{"samples", mesh->vertices.size()},
@@ -184,7 +185,8 @@ Result<Outcome> info_of_quads(const std::string& path) {
 }
 
 Result<Outcome> info_of_mesh(const std::string& path) {
-    RELIEF_TRY(const io::PolygonMesh mesh, io::read_mesh(path));
+    RELIEF_TRY(const io::LoadedMesh loaded, io::read_mesh(path));
+    const PolygonMesh& mesh = loaded.mesh;
     std::array<double, 3> low{INFINITY, INFINITY, INFINITY};
     std::array<double, 3> high{-INFINITY, -INFINITY, -INFINITY};
     for (const auto& vertex : mesh.vertices)

@@ -1,23 +1,16 @@
 #include "relief/io/file_kind.h"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
-#include <filesystem>
 #include <string_view>
 
+#include "io/extension.h"
 #include "io/gdal_scope.h"
+#include "io/mesh_formats.h"
 #include "relief/io/file.h"
 
 namespace relief::io {
 
 namespace {
-
-std::string lower(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return text;
-}
 
 bool is_one_of(std::string_view text, std::initializer_list<std::string_view> list) {
     return std::find(list.begin(), list.end(), text) != list.end();
@@ -28,9 +21,10 @@ FileKind by_content(std::string_view head) {
     if (head.starts_with("RELIEF\x89"sv)) return FileKind::Relief;
     const std::string_view first_word = head.substr(0, head.find_first_of(" \t\r\n"sv));
     if (first_word == "ply" || head.starts_with("glTF"sv)) return FileKind::Mesh;
-    if (is_one_of(first_word, {"OFF", "COFF", "NOFF", "STOFF", "CNOFF"})) return FileKind::Mesh;
+    if (detail::is_off_keyword(first_word)) return FileKind::Mesh;
     // An ESRI grid is often called .txt.
-    if (is_one_of(lower(std::string(first_word)), {"ncols", "nrows"})) return FileKind::Raster;
+    if (is_one_of(detail::lower_case(std::string(first_word)), {"ncols", "nrows"}))
+        return FileKind::Raster;
     return FileKind::Unknown;
 }
 
@@ -46,7 +40,7 @@ FileKind recognise(const std::string& path) {
         const FileKind kind =
             by_content({reinterpret_cast<const char*>(head->data()), head->size()});
         if (kind != FileKind::Unknown) return kind;
-        const std::string extension = lower(std::filesystem::path(path).extension().string());
+        const std::string extension = detail::extension_of(path);
         if (is_one_of(extension, {".obj", ".off", ".ply", ".stl", ".glb"})) return FileKind::Mesh;
         if (is_one_of(extension, {".xyz", ".csv", ".txt"})) return FileKind::Points;
     }

@@ -1,60 +1,51 @@
-#include <fmt/format.h>
-
-#include <cctype>
-#include <iterator>
-#include <string_view>
-
+#include "io/extension.h"
+#include "io/mesh_formats.h"
 #include "relief/io/file.h"
-#include "relief/io/mesh.h"
 
 namespace relief::io {
 
+namespace detail {
+
+std::vector<std::string> extras_of(const PolygonMesh& mesh) {
+    std::vector<std::string> names;
+    for (const FaceLabels& labels : mesh.labels) names.push_back(labels.keyword);
+    if (!mesh.libraries.empty()) names.emplace_back("mtllib");
+    if (!mesh.creases.empty()) names.emplace_back("crease");
+    if (!mesh.sharp_vertices.empty()) names.emplace_back("corner");
+    return names;
+}
+
+}  // namespace detail
+
 namespace {
 
-std::string off_text(const PolygonMesh& mesh) {
-    std::string text;
-    const auto out = std::back_inserter(text);
-    fmt::format_to(out, "OFF\n{} {} 0\n", mesh.vertices.size(), mesh.polygon_count());
-    for (const auto& [x, y, z] : mesh.vertices) fmt::format_to(out, "{} {} {}\n", x, y, z);
-    for (std::int64_t k = 0; k < mesh.polygon_count(); ++k) {
-        fmt::format_to(out, "{}", mesh.polygon(k).size());
-        for (const std::int32_t v : mesh.polygon(k)) fmt::format_to(out, " {}", v);
-        text += '\n';
-    }
-    return text;
+Result<detail::EncodedMesh> encode(const std::string& extension, const PolygonMesh& mesh,
+                                   const MeshWriteOptions& options) {
+    if (extension == ".obj") return detail::encode_obj(mesh);
+    if (extension == ".off") return detail::encode_off(mesh);
+    if (extension == ".ply") return detail::encode_ply(mesh, options.ply);
+    if (extension == ".stl") return detail::encode_stl(mesh);
+    if (extension == ".glb") return detail::encode_glb(mesh);
+    return Error{ErrorCode::InvalidArgument,
+                 "a mesh is written as .obj, .off, .ply, .stl or .glb; choose one", ""};
 }
 
-std::string obj_text(const PolygonMesh& mesh) {
-    std::string text;
-    const auto out = std::back_inserter(text);
-    for (const auto& [x, y, z] : mesh.vertices) fmt::format_to(out, "v {} {} {}\n", x, y, z);
-    for (std::int64_t k = 0; k < mesh.polygon_count(); ++k) {
-        text += 'f';
-        for (const std::int32_t v : mesh.polygon(k))
-            fmt::format_to(out, " {}", std::int64_t{v} + 1);
-        text += '\n';
-    }
-    return text;
-}
-
-bool ends_with(std::string_view path, std::string_view extension) {
-    if (path.size() <= extension.size()) return false;
-    path.remove_prefix(path.size() - extension.size());
-    return std::equal(path.begin(), path.end(), extension.begin(), [](unsigned char a, char b) {
-        return static_cast<char>(std::tolower(a)) == b;
-    });
+Error located(Error error, const std::string& path) {
+    error.where = error.where.empty() ? path : path + ", " + error.where;
+    return error;
 }
 
 }  // namespace
 
-Status write_mesh(const std::string& path, const PolygonMesh& mesh) {
-    const bool off = ends_with(path, ".off");
-    if (!off && !ends_with(path, ".obj"))
-        return Error{ErrorCode::InvalidArgument, "a mesh is written as .off or .obj; choose one",
-                     path};
-    const std::string text = off ? off_text(mesh) : obj_text(mesh);
-    return write_file_atomically(path,
-                                 {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+Result<std::vector<std::string>> write_mesh(const std::string& path, const PolygonMesh& mesh,
+                                            const MeshWriteOptions& options) {
+    if (const Status valid = check(mesh); !valid.ok()) return located(valid.error(), path);
+    auto file = encode(detail::extension_of(path), mesh, options);
+    if (!file.ok()) return located(file.error(), path);
+    const std::string& bytes = file->bytes;
+    RELIEF_CHECK(write_file_atomically(
+        path, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}));
+    return std::move(file->left_out);
 }
 
 }  // namespace relief::io

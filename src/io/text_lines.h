@@ -1,7 +1,9 @@
 #pragma once
 
 #include <charconv>
+#include <cmath>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -23,9 +25,14 @@ class Words {
         skip_blanks();
         return word;
     }
+    /// All that is left, without blanks at its ends.
+    [[nodiscard]] std::string_view rest() const {
+        return rest_.substr(0, rest_.find_last_not_of(kBlanks) + 1);
+    }
+
+    static constexpr std::string_view kBlanks = " \t\r\v\f";
 
   private:
-    static constexpr std::string_view kBlanks = " \t\r\v\f";
     void skip_blanks() {
         const std::size_t first = rest_.find_first_not_of(kBlanks);
         rest_.remove_prefix(first == std::string_view::npos ? rest_.size() : first);
@@ -41,10 +48,14 @@ bool parse_number(std::string_view word, Number& value) {
     return error == std::errc() && end == word.data() + word.size();
 }
 
+/// Where # begins a comment, which lasts to the end of the line.
+enum class Comments { Nowhere, Anywhere, AtWords };
+
 /// The lines that say something: without comments, not blank.
 class Lines {
   public:
-    Lines(std::string_view text, const std::string& name) : rest_(text), name_(name) {}
+    Lines(std::string_view text, const std::string& name, Comments comments)
+        : rest_(text), name_(name), comments_(comments) {}
 
     /// The next line; false at the end of the text.
     bool next(Words& words) {
@@ -52,13 +63,14 @@ class Lines {
             const std::string_view line = rest_.substr(0, rest_.find('\n'));
             rest_.remove_prefix(line.size() < rest_.size() ? line.size() + 1 : line.size());
             ++number_;
-            words = Words(line.substr(0, line.find('#')));
+            words = Words(line.substr(0, comment_at(line)));
             if (!words.empty()) return true;
         }
         return false;
     }
 
     [[nodiscard]] std::int64_t number() const { return number_; }
+    [[nodiscard]] const std::string& name() const { return name_; }
     [[nodiscard]] std::size_t bytes_left() const { return rest_.size(); }
     /// An error of the line that was read last.
     [[nodiscard]] Error error(std::string message) const {
@@ -69,8 +81,18 @@ class Lines {
     }
 
   private:
+    [[nodiscard]] std::size_t comment_at(std::string_view line) const {
+        if (comments_ == Comments::Nowhere) return line.size();
+        std::size_t at = line.find('#');
+        while (comments_ == Comments::AtWords && at != std::string_view::npos && at > 0 &&
+               Words::kBlanks.find(line[at - 1]) == std::string_view::npos)
+            at = line.find('#', at + 1);
+        return at;
+    }
+
     std::string_view rest_;
     const std::string& name_;
+    Comments comments_;
     std::int64_t number_ = 0;
 };
 
@@ -80,6 +102,23 @@ inline std::string quoted(std::string_view word) {
     for (char& c : text)
         if (static_cast<unsigned char>(c) < 0x20) c = '?';
     return text;
+}
+
+/// Fills `numbers` with the next words. `element` is what they belong to, for messages. Errors: a
+/// word is not a finite number.
+inline Status read_numbers(Words& words, const Lines& lines, std::string_view element,
+                           std::span<double> numbers) {
+    for (double& number : numbers) {
+        const std::string_view word = words.next();
+        if (!parse_number(word, number))
+            return lines.error("a " + std::string(element) + " needs " +
+                               std::to_string(numbers.size()) + " numbers, not " + quoted(word));
+        if (!std::isfinite(number))
+            return lines.error(
+                (element == "vertex" ? "non_finite_vertex: " : "non_finite_value: ") +
+                quoted(word) + " is not a finite number; remove or repair it");
+    }
+    return {};
 }
 
 }  // namespace relief::io::detail
