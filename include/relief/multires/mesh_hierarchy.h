@@ -1,0 +1,106 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "relief/multires/mesh_lift.h"
+#include "relief/multires/mesh_step.h"
+
+/// Meshes that are subdivisions of a coarse one: their connectivity, recognised in a fine mesh or
+/// made from a coarse one, and their coefficients. Source: reverse-subdivision.md sections 7, 9.
+namespace relief::multires {
+
+/// What fixes the steps of a hierarchy.
+struct MeshSpec {
+    MeshScheme scheme = MeshScheme::Loop;
+    bool first_even = false;           ///< sqrt(3): the step from the base is an even one
+    std::optional<double> alpha = {};  ///< as StepOptions
+
+    [[nodiscard]] mesh::Split split(int step) const {
+        return split_of(scheme, step + (first_even ? 1 : 0));
+    }
+    friend bool operator==(const MeshSpec&, const MeshSpec&) = default;
+};
+
+/// A base mesh and `steps` subdivisions of it. Depth 0 is the base, depth k is reached by k steps;
+/// vertices keep their numbers from one depth to the next.
+class MeshHierarchy {
+  public:
+    /// Errors: those of step_rules and mesh::refine. Complexity: O(finest mesh).
+    [[nodiscard]] static Result<MeshHierarchy> create(mesh::Topology base, MeshTags tags,
+                                                      const MeshSpec& spec, int steps);
+
+    [[nodiscard]] const MeshSpec& spec() const { return spec_; }
+    [[nodiscard]] int steps() const { return static_cast<int>(rules_.size()); }
+    [[nodiscard]] const mesh::Topology& topology(int depth) const { return *levels_[at(depth)]; }
+    [[nodiscard]] const MeshTags& tags(int depth) const { return tags_[at(depth)]; }
+    [[nodiscard]] const StepRules& rules(int step) const { return *rules_[at(step)]; }
+    template <class T = double>
+    [[nodiscard]] MeshStep<T> step(int number) const {
+        return {topology(number), rules(number)};
+    }
+    [[nodiscard]] std::size_t vertices(int depth) const { return topology(depth).vertex_count; }
+
+  private:
+    static std::size_t at(int k) { return static_cast<std::size_t>(k); }
+
+    MeshSpec spec_;
+    // On the heap, so that steps stay valid when the hierarchy moves.
+    std::vector<std::unique_ptr<mesh::Topology>> levels_;
+    std::vector<std::unique_ptr<StepRules>> rules_;
+    std::vector<MeshTags> tags_;
+};
+
+/// Where a mesh comes from.
+struct MeshOrigin {
+    mesh::Topology base;
+    MeshTags tags;  ///< of the base
+    MeshSpec spec;
+    int steps = 0;
+    /// For each half-edge of the finest level of the hierarchy that of the mesh: this tells the
+    /// numbers of its vertices and faces, and which of a face's corners was the first.
+    Buffer<mesh::Index> half_edges;
+    /// Sharp edges of the mesh, inside it, of which no edge of the base is the origin.
+    std::vector<mesh::Index> lost_creases;
+};
+
+/// Goes down as many steps as the mesh has and `most` allows. Where components can be seen as split
+/// in several ways, the way is taken from which subdivision comes nearest to the points. tags: of
+/// the mesh. Errors: BadInput no_subdivision_connectivity; those of step_rules.
+/// Complexity: O(n).
+[[nodiscard]] Result<MeshOrigin> origin_of(const mesh::Topology& mesh,
+                                           std::span<const Vec3<double>> points,
+                                           const MeshTags& tags, MeshScheme scheme, int most);
+
+/// How coefficients are made.
+struct MeshTransform {
+    LiftKind lift = LiftKind::Chebyshev;
+    bool local_frames = false;  ///< details along the normal and tangents of the coarser surface
+    /// Of each step, Chebyshev; empty: default_lift.
+    std::vector<LiftOptions> lifts = {};
+
+    [[nodiscard]] LiftOptions lift_of(const MeshHierarchy& hierarchy, int step) const;
+};
+
+/// Residuals of the stiff vertices of each step; mostly none.
+using StiffResiduals = std::vector<std::vector<Vec3<double>>>;
+
+/// In place: the points of the finest mesh, in the numbers of the hierarchy, to coefficients: those
+/// of the base, followed by the details of steps 0, 1, .. Errors: those of MeshLift::create.
+/// Complexity: O(n) a sweep.
+[[nodiscard]] Status analyse(const MeshHierarchy& hierarchy, const MeshTransform& transform,
+                             Vec3<double>* points, StiffResiduals& residuals);
+
+/// One step of it: from the mesh of depth step + 1.
+[[nodiscard]] Status analyse_step(const MeshHierarchy& hierarchy, const MeshTransform& transform,
+                                  int step, Vec3<double>* points,
+                                  std::vector<Vec3<double>>& residuals);
+
+/// The reverse, from depth `from` to depth `to`: coefficients of finer steps are left as they are.
+[[nodiscard]] Status synthesise(const MeshHierarchy& hierarchy, const MeshTransform& transform,
+                                int from, int to, Vec3<double>* points,
+                                const StiffResiduals& residuals);
+
+}  // namespace relief::multires

@@ -1,0 +1,247 @@
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "relief/mesh/recognise.h"
+#include "relief/mesh/walk.h"
+#include "relief/multires/mesh_hierarchy.h"
+
+namespace relief::multires {
+
+namespace {
+
+using mesh::Index;
+using mesh::kNone;
+using mesh::Recognition;
+using mesh::Split;
+using mesh::Topology;
+using mesh::Unsplit;
+using Points = std::vector<Vec3<double>>;
+
+/// A level that was found, and how to get back to the finer one.
+struct Found {
+    Unsplit unsplit;
+    Split split = Split::Loop;
+    MeshTags tags;
+};
+
+/// Tags of the coarser mesh: an edge is sharp if both of its halves are.
+MeshTags coarser_tags(const MeshTags& tags, const Topology& fine, const Found& found,
+                      std::vector<Index>* lost) {
+    const Topology& coarse = found.unsplit.mesh;
+    MeshTags result;
+    if (!tags.corner.empty()) {
+        result.corner.resize(coarse.vertex_count);
+        for (Index v = 0; v < coarse.vertex_count; ++v)
+            result.corner[v] = tags.corner[found.unsplit.old_vertices[v]];
+    }
+    if (tags.sharp.empty()) return result;
+    std::vector<std::uint8_t> kept(fine.edge_count, 0);
+    result.sharp.assign(coarse.edge_count, 0);
+    const bool halved = found.split == Split::Loop || found.split == Split::CatmullClark;
+    mesh::each_edge(coarse, [&](Index h, Index, Index) {
+        if (!halved || coarse.on_boundary(h)) return;
+        const Index first = fine.edge[found.unsplit.fine[h]];
+        const Index second = fine.edge[found.unsplit.fine[coarse.twin[h]]];
+        if (!tags.sharp[first] || !tags.sharp[second]) return;
+        result.sharp[coarse.edge[h]] = kept[first] = kept[second] = 1;
+    });
+    for (Index h = 0; lost && h < fine.half_edge_count(); ++h)
+        if (fine.is_first(h) && !fine.on_boundary(h) && tags.sharp[fine.edge[h]] &&
+            !kept[fine.edge[h]])
+            lost->push_back(fine.edge[h]);
+    return result;
+}
+
+/// A mesh in the numbers of the subdivision that it is.
+struct Ordered {
+    Points points;
+    std::vector<Index> half_edge;  ///< [vertex]: one of the mesh's that begins there
+};
+
+Result<Ordered> ordered(const Topology& fine, const Points& points, const Found& found) {
+    RELIEF_TRY(const Topology again, mesh::refine(found.unsplit.mesh, found.split));
+    const auto half_edges =
+        mesh::fine_half_edges(found.unsplit.mesh, found.split, fine, found.unsplit.fine);
+    Ordered result{Points(points.size()), std::vector<Index>(points.size())};
+    for (Index h = 0; h < again.half_edge_count(); ++h) {
+        result.points[again.origin[h]] = points[fine.origin[half_edges[h]]];
+        result.half_edge[again.origin[h]] = half_edges[h];
+    }
+    return result;
+}
+
+/// The coarser mesh whose subdivision is near the points.
+Result<Points> lifted(const MeshStep<double>& step, const Points& points, MeshScheme scheme) {
+    Points c = points;
+    Points scratch(c.size());
+    Points stiff(step.rules().stiff.size());
+    step.analyse(c.data(), stiff.data(), scratch.data());
+    RELIEF_TRY(const MeshLift lift, MeshLift::create(step, default_lift(scheme, 0)));
+    lift.apply(c.data() + step.coarse_count(), stiff.data(), scratch.data());
+    c.resize(step.coarse_count());
+    for (std::size_t v = 0; v < c.size(); ++v) c[v] += scratch[v];
+    return c;
+}
+
+class Descent {
+  public:
+    Descent(const Topology& mesh, std::span<const Vec3<double>> points, const MeshTags& tags,
+            MeshScheme scheme)
+        : mesh_(mesh), tags_(tags), scheme_(scheme) {
+        points_.emplace_back(points.begin(), points.end());
+    }
+
+    /// All levels, the finest step first; sqrt(3): `even` is the parity of that one.
+    void run(bool even, int most) {
+        while (static_cast<int>(levels_.size()) < most) {
+            const Split split = split_of(scheme_, even ? 1 : 0);
+            const Recognition recognition(finest_left(), split);
+            Result<Found> found =
+                recognition.ok() ? choose(recognition, split) : Result<Found>(recognition.error());
+            if (!found.ok()) {
+                reason_ = found.error();
+                return;
+            }
+            levels_.push_back(*std::move(found));
+            even = !even;
+        }
+    }
+
+    [[nodiscard]] const std::optional<Error>& reason() const { return reason_; }
+    [[nodiscard]] std::vector<Found>& levels() { return levels_; }
+
+  private:
+    [[nodiscard]] const Topology& finer(std::size_t k) const {
+        return k == 0 ? mesh_ : levels_[k - 1].unsplit.mesh;
+    }
+    [[nodiscard]] const Topology& finest_left() const { return finer(levels_.size()); }
+    [[nodiscard]] const MeshTags& tags_left() const {
+        return levels_.empty() ? tags_ : levels_.back().tags;
+    }
+
+    /// Of the coarsest mesh so far. They are needed where there is a choice only.
+    Result<const Points*> points_left() {
+        while (points_.size() <= levels_.size()) {
+            const std::size_t k = points_.size() - 1;
+            const Found& found = levels_[k];
+            RELIEF_TRY(const Ordered fine, ordered(finer(k), points_[k], found));
+            RELIEF_TRY(const StepRules rules,
+                       step_rules(found.unsplit.mesh, found.tags, found.split));
+            RELIEF_TRY(Points coarse, lifted({found.unsplit.mesh, rules}, fine.points, scheme_));
+            points_.push_back(std::move(coarse));
+        }
+        return &points_.back();
+    }
+
+    Result<Found> found(const Recognition& recognition, Split split,
+                        const std::vector<std::size_t>& choice) const {
+        Found result;
+        result.split = split;
+        RELIEF_TRY(result.unsplit, recognition.unsplit(choice));
+        result.tags = coarser_tags(tags_left(), finest_left(), result, nullptr);
+        return result;
+    }
+
+    /// For each component the way from which subdivision comes nearest.
+    Result<Found> choose(const Recognition& recognition, Split split) {
+        const std::size_t components = recognition.components();
+        std::size_t most = 1;
+        for (std::size_t c = 0; c < components; ++c) most = std::max(most, recognition.ways(c));
+        std::vector<std::size_t> best(components, 0);
+        std::vector<double> least(components, std::numeric_limits<double>::infinity());
+        for (std::size_t way = 0; most > 1 && !points_[0].empty() && way < most; ++way) {
+            std::vector<std::size_t> choice(components);
+            for (std::size_t c = 0; c < components; ++c)
+                choice[c] = std::min(way, recognition.ways(c) - 1);
+            RELIEF_TRY(const std::vector<double> distances,
+                       squared_distances(recognition, split, choice));
+            for (std::size_t c = 0; c < components; ++c)
+                if (distances[c] < least[c]) {
+                    least[c] = distances[c];
+                    best[c] = choice[c];
+                }
+        }
+        return found(recognition, split, best);
+    }
+
+    /// Of the points from the nearest subdivision, for each component.
+    Result<std::vector<double>> squared_distances(const Recognition& recognition, Split split,
+                                                  const std::vector<std::size_t>& choice) {
+        RELIEF_TRY(const Found way, found(recognition, split, choice));
+        RELIEF_TRY(const Points* points, points_left());
+        RELIEF_TRY(const Ordered fine, ordered(finest_left(), *points, way));
+        RELIEF_TRY(const StepRules rules, step_rules(way.unsplit.mesh, way.tags, split));
+        const MeshStep<double> step(way.unsplit.mesh, rules);
+        RELIEF_TRY(const Points c, lifted(step, fine.points, scheme_));
+        Points surface(fine.points.size());
+        step.apply(c.data(), surface.data(), surface.data() + c.size());
+        std::vector<double> sums(recognition.components(), 0);
+        for (std::size_t k = 0; k < surface.size(); ++k) {
+            const Vec3<double> off = fine.points[k] - surface[k];
+            sums[recognition.parts().of_face[finest_left().face_of(fine.half_edge[k])]] +=
+                dot(off, off);
+        }
+        return sums;
+    }
+
+    const Topology& mesh_;
+    const MeshTags& tags_;
+    MeshScheme scheme_;
+    std::vector<Found> levels_;
+    std::vector<Points> points_;  ///< of the mesh and of the coarser ones, as far as asked for
+    std::optional<Error> reason_;
+};
+
+/// Half-edges of the finest level of the hierarchy over the base, as the mesh has them.
+Result<Buffer<Index>> climb(const Topology& fine, const std::vector<Found>& levels) {
+    const Topology& base = levels.back().unsplit.mesh;
+    Buffer<Index> here(base.half_edge_count());
+    for (Index h = 0; h < base.half_edge_count(); ++h) here[h] = h;
+    const Topology* canonical = &base;
+    Topology finer;
+    for (std::size_t k = levels.size(); k-- > 0;) {
+        const Unsplit& unsplit = levels[k].unsplit;
+        const Topology& target = k == 0 ? fine : levels[k - 1].unsplit.mesh;
+        Buffer<Index> start(canonical->half_edge_count());
+        for (Index h = 0; h < start.size(); ++h) start[h] = unsplit.fine[here[h]];
+        here = mesh::fine_half_edges(*canonical, levels[k].split, target, start);
+        if (k == 0) break;
+        RELIEF_TRY(Topology next, mesh::refine(*canonical, levels[k].split));
+        finer = std::move(next);
+        canonical = &finer;
+    }
+    return here;
+}
+
+}  // namespace
+
+Result<MeshOrigin> origin_of(const Topology& mesh, std::span<const Vec3<double>> points,
+                             const MeshTags& tags, MeshScheme scheme, int most) {
+    Descent descent(mesh, points, tags, scheme);
+    descent.run(false, most);
+    std::vector<Found> levels = std::move(descent.levels());
+    const bool open = mesh::counts_of(mesh).boundary_edges > 0;
+    if (scheme == MeshScheme::Sqrt3 && open) {
+        Descent other(mesh, points, tags, scheme);
+        other.run(true, most);
+        // With as many levels, the one whose base begins with an odd step.
+        const std::size_t steps = other.levels().size();
+        if (steps > levels.size() || (steps > 0 && steps == levels.size() && steps % 2 == 0))
+            levels = std::move(other.levels());
+    }
+    if (levels.empty())
+        return descent.reason().value_or(
+            Error{ErrorCode::InvalidArgument, "at least one level is needed", "levels"});
+    MeshOrigin origin;
+    RELIEF_TRY(origin.half_edges, climb(mesh, levels));
+    coarser_tags(tags, mesh, levels.front(), &origin.lost_creases);
+    origin.spec.scheme = scheme;
+    origin.spec.first_even = open && levels.back().split == Split::Sqrt3Even;
+    origin.steps = static_cast<int>(levels.size());
+    origin.tags = std::move(levels.back().tags);
+    origin.base = std::move(levels.back().unsplit.mesh);
+    return origin;
+}
+
+}  // namespace relief::multires
