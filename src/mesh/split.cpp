@@ -225,15 +225,18 @@ MeshCounts refined(const MeshCounts& coarse, Split split) {
     return fine;
 }
 
+Status check_size(const MeshCounts& counts) {
+    if (counts.half_edges <= kMostElements) return {};
+    return Error{ErrorCode::BadInput,
+                 "too_many_elements: the finer mesh would have " + std::to_string(counts.faces) +
+                     " faces; the corners of all faces must be fewer than 2^31",
+                 "mesh"};
+}
+
 Result<Topology> refine(const Topology& coarse, Split split) {
     if (split != Split::CatmullClark) RELIEF_CHECK(check_triangles(coarse, split));
     const MeshCounts counts = refined(counts_of(coarse), split);
-    if (counts.half_edges > kMostElements)
-        return Error{ErrorCode::BadInput,
-                     "too_many_elements: the finer mesh would have " +
-                         std::to_string(counts.faces) +
-                         " faces; the corners of all faces must be fewer than 2^31",
-                     "mesh"};
+    RELIEF_CHECK(check_size(counts));
     Topology fine = allocate(counts, split == Split::CatmullClark ? 4 : 3);
     switch (split) {
         case Split::Loop:

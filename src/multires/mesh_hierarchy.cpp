@@ -54,8 +54,18 @@ Status synthesise_step(const MeshHierarchy& hierarchy, const MeshTransform& tran
 
 }  // namespace
 
+Status MeshSpec::check_steps(const mesh::Topology& base, int steps) const {
+    mesh::MeshCounts counts = mesh::counts_of(base);
+    for (int step = 0; step < steps; ++step) {
+        counts = mesh::refined(counts, split(step));
+        RELIEF_CHECK(mesh::check_size(counts));
+    }
+    return {};
+}
+
 Result<MeshHierarchy> MeshHierarchy::create(mesh::Topology base, MeshTags tags,
                                             const MeshSpec& spec, int steps) {
+    RELIEF_CHECK(spec.check_steps(base, steps));
     MeshHierarchy hierarchy;
     hierarchy.spec_ = spec;
     hierarchy.levels_.push_back(std::make_unique<mesh::Topology>(std::move(base)));

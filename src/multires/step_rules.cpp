@@ -290,15 +290,10 @@ MeshTags refined(const MeshTags& tags, const Topology& coarse, const Topology& f
     }
     if (tags.sharp.empty() || is_sqrt3(split)) return result;
     result.sharp.assign(fine.edge_count, 0);
-    mesh::each_half_edge(coarse, [&](Index f, Index h, Index next, Index) {
-        if (tags.sharp[coarse.edge[h]] == 0) return;
-        const bool loop = split == Split::Loop;
-        const Index corner = h - 3 * f;
-        const Index first = loop ? 12 * f + 3 * corner : 4 * h;
-        const Index second = loop ? 12 * f + 3 * (next - 3 * f) + 2 : 4 * next + 3;
-        result.sharp[fine.edge[first]] = 1;
-        result.sharp[fine.edge[second]] = 1;
-    });
+    for (Index h = 0; h < coarse.half_edge_count(); ++h)
+        if (tags.sharp[coarse.edge[h]] != 0)
+            for (const Index half : mesh::halves(coarse, split, h))
+                result.sharp[fine.edge[half]] = 1;
     return result;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "relief/mesh/topology.h"
@@ -30,6 +31,9 @@ struct MeshCounts {
 /// After one split.
 [[nodiscard]] MeshCounts refined(const MeshCounts& coarse, Split split);
 
+/// Errors: BadInput `too_many_elements`, for half-edges from 2^31 on.
+[[nodiscard]] Status check_size(const MeshCounts& counts);
+
 /// The finer mesh. Old vertices keep their numbers; then come the new ones. Loop: that of edge e is
 /// vertex_count + e. Catmull-Clark: the same, then vertex_count + edge_count + f for face f.
 /// sqrt(3): in the order of faces one each; but in even steps two of a face with a boundary edge
@@ -45,6 +49,14 @@ struct MeshCounts {
 /// Errors: BadInput `not_triangles` for Loop and sqrt(3) naming the face; `sqrt3_parity` for an
 /// even step of a face with two boundary edges; `too_many_elements`. Complexity: O(n).
 [[nodiscard]] Result<Topology> refine(const Topology& coarse, Split split);
+
+/// Loop and Catmull-Clark: the fine half-edges that a coarse one is cut into, in its direction.
+[[nodiscard]] inline std::array<Index, 2> halves(const Topology& coarse, Split split, Index h) {
+    const Index next = coarse.next(h);
+    if (split == Split::CatmullClark) return {4 * h, 4 * next + 3};
+    const Index f = h / 3;
+    return {12 * f + 3 * (h % 3), 12 * f + 3 * (next % 3) + 2};
+}
 
 /// The new vertices of faces: for Catmull-Clark and sqrt(3) the vertex of face f, or the first of
 /// two, is first + f + (the number of faces before it that have two).

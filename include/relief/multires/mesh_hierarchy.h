@@ -21,6 +21,9 @@ struct MeshSpec {
     [[nodiscard]] mesh::Split split(int step) const {
         return split_of(scheme, step + (first_even ? 1 : 0));
     }
+    /// Whether a mesh can be split so often. Errors: mesh::check_size.
+    [[nodiscard]] Status check_steps(const mesh::Topology& base, int steps) const;
+
     friend bool operator==(const MeshSpec&, const MeshSpec&) = default;
 };
 
