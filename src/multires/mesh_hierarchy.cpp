@@ -3,54 +3,12 @@
 #include <algorithm>
 #include <utility>
 
-#include "relief/multires/mesh_frames.h"
-
 namespace relief::multires {
 
 namespace {
 
 using mesh::Index;
 using Points = std::vector<Vec3<double>>;
-
-/// Details of a step between the coordinates' frame and those of the surface of its coarse
-/// vertices.
-class Frames {
-  public:
-    Frames(const MeshHierarchy& hierarchy, int step, const Vec3<double>* coarse) {
-        const MeshStep<double> maps = hierarchy.step(step);
-        Points surface(hierarchy.vertices(step + 1));
-        maps.apply(coarse, surface.data(), surface.data() + maps.coarse_count());
-        const mesh::Topology& fine = hierarchy.topology(step + 1);
-        fresh_ = frames(fine, surface.data(), static_cast<Index>(maps.coarse_count()));
-        stiff_ = frames(fine, surface.data(), maps.rules().stiff.vertices);
-    }
-
-    void in(Vec3<double>* details, Points& residuals) const {
-        for (std::size_t k = 0; k < fresh_.size(); ++k) details[k] = fresh_[k].in(details[k]);
-        for (std::size_t k = 0; k < stiff_.size(); ++k) residuals[k] = stiff_[k].in(residuals[k]);
-    }
-    void out(Vec3<double>* details, Points& residuals) const {
-        for (std::size_t k = 0; k < fresh_.size(); ++k) details[k] = fresh_[k].out(details[k]);
-        for (std::size_t k = 0; k < stiff_.size(); ++k) residuals[k] = stiff_[k].out(residuals[k]);
-    }
-
-  private:
-    std::vector<MeshFrame> fresh_;
-    std::vector<MeshFrame> stiff_;
-};
-
-Status synthesise_step(const MeshHierarchy& hierarchy, const MeshTransform& transform, int step,
-                       Vec3<double>* points, Points residuals) {
-    const MeshStep<double> maps = hierarchy.step(step);
-    const std::size_t coarse = maps.coarse_count();
-    if (transform.local_frames) Frames(hierarchy, step, points).out(points + coarse, residuals);
-    RELIEF_TRY(const MeshLift lift, MeshLift::create(maps, transform.lift_of(hierarchy, step)));
-    Points scratch(hierarchy.vertices(step + 1));
-    lift.apply(points + coarse, residuals.data(), scratch.data());
-    for (std::size_t v = 0; v < coarse; ++v) points[v] -= scratch[v];
-    maps.synthesise(points, residuals.data(), scratch.data());
-    return {};
-}
 
 }  // namespace
 
@@ -90,35 +48,76 @@ LiftOptions MeshTransform::lift_of(const MeshHierarchy& hierarchy, int step) con
     return default_lift(hierarchy.spec().scheme, hierarchy.steps() - 1 - step);
 }
 
-Status analyse_step(const MeshHierarchy& hierarchy, const MeshTransform& transform, int step,
-                    Vec3<double>* points, Points& residuals) {
+DetailFrames::DetailFrames(const MeshHierarchy& hierarchy, int step, const Vec3<double>* coarse) {
     const MeshStep<double> maps = hierarchy.step(step);
+    Points surface(hierarchy.vertices(step + 1));
+    maps.apply(coarse, surface.data(), surface.data() + maps.coarse_count());
+    const mesh::Topology& fine = hierarchy.topology(step + 1);
+    fresh_ = frames(fine, surface.data(), static_cast<Index>(maps.coarse_count()));
+    if (maps.rules().stiff.size() > 0)
+        stiff_ = frames(fine, surface.data(), maps.rules().stiff.vertices);
+}
+
+void DetailFrames::in(Vec3<double>* details, Points& residuals) const {
+    for (std::size_t k = 0; k < fresh_.size(); ++k) details[k] = fresh_[k].in(details[k]);
+    for (std::size_t k = 0; k < stiff_.size(); ++k) residuals[k] = stiff_[k].in(residuals[k]);
+}
+
+void DetailFrames::out(Vec3<double>* details, Points& residuals) const {
+    for (std::size_t k = 0; k < fresh_.size(); ++k) details[k] = fresh_[k].out(details[k]);
+    for (std::size_t k = 0; k < stiff_.size(); ++k) residuals[k] = stiff_[k].out(residuals[k]);
+}
+
+Result<MeshMaps> MeshMaps::create(const MeshHierarchy& hierarchy, const MeshTransform& transform) {
+    MeshMaps maps;
+    maps.hierarchy_ = &hierarchy;
+    maps.local_frames_ = transform.local_frames;
+    for (int step = 0; step < hierarchy.steps(); ++step) {
+        maps.steps_.push_back(std::make_unique<MeshStep<double>>(hierarchy.step(step)));
+        RELIEF_TRY(MeshLift lift,
+                   MeshLift::create(*maps.steps_.back(), transform.lift_of(hierarchy, step)));
+        maps.lifts_.push_back(std::move(lift));
+    }
+    return maps;
+}
+
+void MeshMaps::analyse_step(int step, Vec3<double>* points, Points& residuals) const {
+    const MeshStep<double>& maps = *steps_[static_cast<std::size_t>(step)];
     const std::size_t coarse = maps.coarse_count();
-    Points scratch(hierarchy.vertices(step + 1));
+    Points scratch(hierarchy_->vertices(step + 1));
     residuals.resize(maps.rules().stiff.size());
     maps.analyse(points, residuals.data(), scratch.data());
-    RELIEF_TRY(const MeshLift lift, MeshLift::create(maps, transform.lift_of(hierarchy, step)));
-    lift.apply(points + coarse, residuals.data(), scratch.data());
+    lifts_[static_cast<std::size_t>(step)].apply(points + coarse, residuals.data(), scratch.data());
     for (std::size_t v = 0; v < coarse; ++v) points[v] += scratch[v];
-    if (transform.local_frames) Frames(hierarchy, step, points).in(points + coarse, residuals);
-    return {};
+    if (local_frames_) DetailFrames(*hierarchy_, step, points).in(points + coarse, residuals);
 }
 
-Status analyse(const MeshHierarchy& hierarchy, const MeshTransform& transform, Vec3<double>* points,
-               StiffResiduals& residuals) {
-    residuals.resize(static_cast<std::size_t>(hierarchy.steps()));
-    for (int step = hierarchy.steps() - 1; step >= 0; --step)
-        RELIEF_CHECK(analyse_step(hierarchy, transform, step, points,
-                                  residuals[static_cast<std::size_t>(step)]));
-    return {};
+void MeshMaps::synthesise_step(int step, Vec3<double>* points, const Points& residuals) const {
+    if (!local_frames_) return synthesise_global(step, points, residuals);
+    Points global = residuals;
+    DetailFrames(*hierarchy_, step, points).out(points + hierarchy_->vertices(step), global);
+    synthesise_global(step, points, global);
 }
 
-Status synthesise(const MeshHierarchy& hierarchy, const MeshTransform& transform, int from, int to,
-                  Vec3<double>* points, const StiffResiduals& residuals) {
+void MeshMaps::synthesise_global(int step, Vec3<double>* points, const Points& residuals) const {
+    const MeshStep<double>& maps = *steps_[static_cast<std::size_t>(step)];
+    const std::size_t coarse = maps.coarse_count();
+    Points scratch(hierarchy_->vertices(step + 1));
+    lifts_[static_cast<std::size_t>(step)].apply(points + coarse, residuals.data(), scratch.data());
+    for (std::size_t v = 0; v < coarse; ++v) points[v] -= scratch[v];
+    maps.synthesise(points, residuals.data(), scratch.data());
+}
+
+void MeshMaps::analyse(Vec3<double>* points, StiffResiduals& residuals) const {
+    residuals.resize(steps_.size());
+    for (int step = hierarchy_->steps() - 1; step >= 0; --step)
+        analyse_step(step, points, residuals[static_cast<std::size_t>(step)]);
+}
+
+void MeshMaps::synthesise(int from, int to, Vec3<double>* points,
+                          const StiffResiduals& residuals) const {
     for (int step = from; step < to; ++step)
-        RELIEF_CHECK(synthesise_step(hierarchy, transform, step, points,
-                                     residuals[static_cast<std::size_t>(step)]));
-    return {};
+        synthesise_step(step, points, residuals[static_cast<std::size_t>(step)]);
 }
 
 }  // namespace relief::multires

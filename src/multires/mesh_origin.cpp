@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "relief/mesh/recognise.h"
@@ -193,11 +194,10 @@ class Descent {
     std::optional<Error> reason_;
 };
 
-/// Half-edges of the finest level of the hierarchy over the base, as the mesh has them.
-Result<Buffer<Index>> climb(const Topology& fine, const std::vector<Found>& levels) {
-    const Topology& base = levels.back().unsplit.mesh;
-    Buffer<Index> here(base.half_edge_count());
-    for (Index h = 0; h < base.half_edge_count(); ++h) here[h] = h;
+/// Half-edges of the finest level of the hierarchy over a base, as the mesh has them. here: of the
+/// base, as levels.back() has them.
+Result<Buffer<Index>> climb(const Topology& fine, const std::vector<Found>& levels,
+                            const Topology& base, Buffer<Index> here) {
     const Topology* canonical = &base;
     Topology finer;
     for (std::size_t k = levels.size(); k-- > 0;) {
@@ -212,6 +212,125 @@ Result<Buffer<Index>> climb(const Topology& fine, const std::vector<Found>& leve
         canonical = &finer;
     }
     return here;
+}
+
+/// The mesh at the end of the steps over a base.
+Result<Topology> finest_of(const std::vector<Found>& levels, const Topology& base) {
+    RELIEF_TRY(Topology mesh, mesh::refine(base, levels.back().split));
+    for (std::size_t k = levels.size() - 1; k-- > 0;) {
+        RELIEF_TRY(mesh, mesh::refine(mesh, levels[k].split));
+    }
+    return mesh;
+}
+
+/// What tells the order of a base's faces and corners: numbers in the mesh of what they give, which
+/// grow where the mesh was made by subdivision.
+struct Keys {
+    std::vector<Index> of_half_edge;
+    std::vector<Index> of_face;  ///< sqrt(3): first; else empty
+};
+
+/// Loop, Catmull-Clark: the first face in the end. fine_face: of the hierarchy's, in the mesh.
+template <class FineFace>
+Keys keys_of_corners(const std::vector<Found>& levels, const Topology& base, FineFace fine_face) {
+    const bool loop = levels.back().split == Split::Loop;
+    Keys keys;
+    for (Index h = 0; h < base.half_edge_count(); ++h) {
+        Index face = loop ? 4 * (h / 3) + h % 3 : h;
+        for (std::size_t k = 1; k < levels.size(); ++k) face *= 4;
+        keys.of_half_edge.push_back(fine_face(face));
+    }
+    return keys;
+}
+
+/// sqrt(3): the vertices that the first step puts into faces and the second one into what each
+/// half-edge gives, or its face in the end. vertices: of the hierarchy, in the mesh.
+template <class FineFace>
+Result<Keys> keys_of_edges(const std::vector<Found>& levels, const Topology& base,
+                           const std::vector<Index>& vertices, FineFace fine_face) {
+    const Split split = levels.back().split;
+    Keys keys;
+    const mesh::FacePoints points = mesh::face_points(base, split);
+    for (Index f = 0; f < base.face_count; ++f) keys.of_face.push_back(vertices[points[f]]);
+    const Buffer<Index> faces = mesh::sqrt3_faces(base, split);
+    keys.of_half_edge.resize(base.half_edge_count());
+    if (levels.size() == 1) {
+        for (Index h = 0; h < faces.size(); ++h) keys.of_half_edge[h] = fine_face(faces[h]);
+        return keys;
+    }
+    RELIEF_TRY(const Topology next, mesh::refine(base, split));
+    const mesh::FacePoints second = mesh::face_points(next, levels[levels.size() - 2].split);
+    for (Index h = 0; h < faces.size(); ++h) keys.of_half_edge[h] = vertices[second[faces[h]]];
+    return keys;
+}
+
+Result<Keys> keys_of(const std::vector<Found>& levels, const Topology& fine,
+                     const Buffer<Index>& half_edges) {
+    const Topology& base = levels.back().unsplit.mesh;
+    const auto fine_face = [&](Index face) {
+        return fine.face_of(half_edges[static_cast<Index>(fine.sides) * face]);
+    };
+    const Split split = levels.back().split;
+    if (split == Split::Loop || split == Split::CatmullClark)
+        return keys_of_corners(levels, base, fine_face);
+    RELIEF_TRY(const Topology finest, finest_of(levels, base));
+    std::vector<Index> vertices(finest.vertex_count);
+    for (Index h = 0; h < finest.half_edge_count(); ++h)
+        vertices[finest.origin[h]] = fine.origin[half_edges[h]];
+    return keys_of_edges(levels, base, vertices, fine_face);
+}
+
+/// The base with its faces in the order in which the mesh has what they give, each from the corner
+/// that gives the first: a mesh that was made by subdivision gives back what it was made of.
+/// sqrt(3) numbers fine faces by old edges, so that the order of faces comes from their points; a
+/// face begins with the first edge that none before it has.
+struct Arranged {
+    Topology base;
+    MeshTags tags;
+    Buffer<Index> half_edges;  ///< as the base was before
+};
+Result<Arranged> arranged(const Topology& base, const MeshTags& tags, const Keys& keys) {
+    struct Face {
+        Index key;
+        Index first;
+    };
+    std::vector<Face> order(base.face_count);
+    for (Index f = 0; f < base.face_count; ++f) {
+        Index least = kNone;
+        order[f].first = base.first_of(f);
+        for (Index h = base.first_of(f); h < base.first_of(f + 1); ++h) {
+            const Index twin = base.twin[h];
+            if (!keys.of_face.empty() && twin != kNone &&
+                keys.of_face[base.face_of(twin)] < keys.of_face[f])
+                continue;
+            if (keys.of_half_edge[h] >= least) continue;
+            least = keys.of_half_edge[h];
+            order[f].first = h;
+        }
+        order[f].key = keys.of_face.empty() ? least : keys.of_face[f];
+    }
+    std::sort(order.begin(), order.end(),
+              [](const Face& a, const Face& b) { return a.key < b.key; });
+    mesh::FaceList faces;
+    Arranged result;
+    result.half_edges = Buffer<Index>(base.half_edge_count());
+    Index count = 0;
+    for (const Face& face : order) {
+        Index h = face.first;
+        do {
+            faces.corners.push_back(base.origin[h]);
+            result.half_edges[count++] = h;
+            h = base.next(h);
+        } while (h != face.first);
+        faces.offsets.push_back(count);
+    }
+    RELIEF_TRY(result.base, mesh::build(faces, base.vertex_count));
+    result.tags.corner = tags.corner;
+    if (tags.sharp.empty()) return result;
+    result.tags.sharp.resize(base.edge_count);
+    for (Index h = 0; h < count; ++h)
+        result.tags.sharp[result.base.edge[h]] = tags.sharp[base.edge[result.half_edges[h]]];
+    return result;
 }
 
 }  // namespace
@@ -233,14 +352,20 @@ Result<MeshOrigin> origin_of(const Topology& mesh, std::span<const Vec3<double>>
     if (levels.empty())
         return descent.reason().value_or(
             Error{ErrorCode::InvalidArgument, "at least one level is needed", "levels"});
+    const Topology& found = levels.back().unsplit.mesh;
+    Buffer<Index> same(found.half_edge_count());
+    std::iota(same.data(), same.data() + same.size(), Index{0});
+    RELIEF_TRY(const Buffer<Index> half_edges, climb(mesh, levels, found, std::move(same)));
+    RELIEF_TRY(const Keys keys, keys_of(levels, mesh, half_edges));
+    RELIEF_TRY(Arranged base, arranged(found, levels.back().tags, keys));
     MeshOrigin origin;
-    RELIEF_TRY(origin.half_edges, climb(mesh, levels));
+    RELIEF_TRY(origin.half_edges, climb(mesh, levels, base.base, std::move(base.half_edges)));
     coarser_tags(tags, mesh, levels.front(), &origin.lost_creases);
     origin.spec.scheme = scheme;
     origin.spec.first_even = open && levels.back().split == Split::Sqrt3Even;
     origin.steps = static_cast<int>(levels.size());
-    origin.tags = std::move(levels.back().tags);
-    origin.base = std::move(levels.back().unsplit.mesh);
+    origin.tags = std::move(base.tags);
+    origin.base = std::move(base.base);
     return origin;
 }
 

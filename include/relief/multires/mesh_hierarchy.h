@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "relief/multires/mesh_frames.h"
 #include "relief/multires/mesh_lift.h"
 #include "relief/multires/mesh_step.h"
 
@@ -90,20 +91,51 @@ struct MeshTransform {
 /// Residuals of the stiff vertices of each step; mostly none.
 using StiffResiduals = std::vector<std::vector<Vec3<double>>>;
 
-/// In place: the points of the finest mesh, in the numbers of the hierarchy, to coefficients: those
-/// of the base, followed by the details of steps 0, 1, .. Errors: those of MeshLift::create.
-/// Complexity: O(n) a sweep.
-[[nodiscard]] Status analyse(const MeshHierarchy& hierarchy, const MeshTransform& transform,
-                             Vec3<double>* points, StiffResiduals& residuals);
+/// Frames in which the details of a step are expressed: those of the surface of its coarse
+/// vertices.
+class DetailFrames {
+  public:
+    DetailFrames(const MeshHierarchy& hierarchy, int step, const Vec3<double>* coarse);
 
-/// One step of it: from the mesh of depth step + 1.
-[[nodiscard]] Status analyse_step(const MeshHierarchy& hierarchy, const MeshTransform& transform,
-                                  int step, Vec3<double>* points,
-                                  std::vector<Vec3<double>>& residuals);
+    [[nodiscard]] const std::vector<MeshFrame>& fresh() const { return fresh_; }
+    [[nodiscard]] const std::vector<MeshFrame>& stiff() const { return stiff_; }
+    /// From the coordinates' frame, and back.
+    void in(Vec3<double>* details, std::vector<Vec3<double>>& residuals) const;
+    void out(Vec3<double>* details, std::vector<Vec3<double>>& residuals) const;
 
-/// The reverse, from depth `from` to depth `to`: coefficients of finer steps are left as they are.
-[[nodiscard]] Status synthesise(const MeshHierarchy& hierarchy, const MeshTransform& transform,
-                                int from, int to, Vec3<double>* points,
-                                const StiffResiduals& residuals);
+  private:
+    std::vector<MeshFrame> fresh_;
+    std::vector<MeshFrame> stiff_;
+};
+
+/// The transform of a hierarchy, both ways. In place: an array of the points of the finest mesh, in
+/// the numbers of the hierarchy, becomes that of the coefficients: those of the base, followed by
+/// the details of steps 0, 1, ..
+class MeshMaps {
+  public:
+    /// The hierarchy must outlive this. Errors: those of MeshLift::create. Complexity: O(n).
+    [[nodiscard]] static Result<MeshMaps> create(const MeshHierarchy& hierarchy,
+                                                 const MeshTransform& transform);
+
+    /// From the mesh of depth step + 1 to that of depth `step` and details. Complexity: O(n) a
+    /// sweep.
+    void analyse_step(int step, Vec3<double>* points, std::vector<Vec3<double>>& residuals) const;
+    /// The reverse.
+    void synthesise_step(int step, Vec3<double>* points,
+                         const std::vector<Vec3<double>>& residuals) const;
+    /// The same for details in the coordinates' frame, whatever the transform says.
+    void synthesise_global(int step, Vec3<double>* points,
+                           const std::vector<Vec3<double>>& residuals) const;
+
+    void analyse(Vec3<double>* points, StiffResiduals& residuals) const;
+    /// From depth `from` to depth `to`: coefficients of finer steps are left as they are.
+    void synthesise(int from, int to, Vec3<double>* points, const StiffResiduals& residuals) const;
+
+  private:
+    const MeshHierarchy* hierarchy_ = nullptr;
+    bool local_frames_ = false;
+    std::vector<std::unique_ptr<MeshStep<double>>> steps_;
+    std::vector<MeshLift> lifts_;
+};
 
 }  // namespace relief::multires
