@@ -2,6 +2,7 @@
 #include <cmath>
 #include <utility>
 
+#include "codec/header_parts.h"
 #include "codec/quad_chunks.h"
 #include "codec/quad_nodal.h"
 #include "codec/quad_values.h"

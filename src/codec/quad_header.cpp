@@ -1,11 +1,9 @@
 #include "codec/quad_header.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <utility>
 
 #include "codec/decimal.h"
+#include "codec/header_parts.h"
 #include "codec/json_reader.h"
 #include "codec/raster_header.h"
 
@@ -14,50 +12,9 @@ namespace relief::codec {
 namespace {
 
 using Json = nlohmann::json;
-using Kind = ValueLattice::Kind;
 
 constexpr int kMostLevels = 30;
 constexpr std::uint64_t kMostElements = (std::uint64_t{1} << 31) - 1;
-constexpr std::int64_t kLargestMultiple = std::int64_t{1} << 50;
-
-constexpr std::array<std::pair<Kind, const char*>, 4> kKinds = {{{Kind::Decimal, "decimal"},
-                                                                 {Kind::Step, "step"},
-                                                                 {Kind::Float32, "float32"},
-                                                                 {Kind::Float64, "float64"}}};
-
-Json lattice_json(const ValueLattice& lattice) {
-    Json json{{"kind", lattice_name(lattice.kind)}};
-    if (lattice.digits != 0) json["digits"] = lattice.digits;
-    if (lattice.multiple != 1) json["multiple"] = lattice.multiple;
-    if (lattice.kind == Kind::Step) json["step"] = json_number(lattice.step);
-    return json;
-}
-
-bool are_digits(int digits) {
-    return digits >= 0 && digits <= kMostDigits10;
-}
-
-Status read_lattice(const Json& json, ValueLattice& lattice) {
-    JsonReader reader(json);
-    const auto name = reader.get<std::string>("kind", "", true);
-    lattice.digits = reader.get("digits", 0);
-    lattice.multiple = reader.get<std::int64_t>("multiple", 1);
-    lattice.step = reader.get("step", 1.0);
-    RELIEF_CHECK(reader.status());
-    bool known = false;
-    for (const auto& [kind, kind_name] : kKinds) {
-        if (name != kind_name) continue;
-        lattice.kind = kind;
-        known = true;
-    }
-    if (!known)
-        return Error{ErrorCode::Unsupported,
-                     "values of kind '" + name + "' are of a newer version of relief", "header"};
-    if (!are_digits(lattice.digits) || lattice.multiple < 1 || lattice.multiple % 2 == 0 ||
-        lattice.multiple > kLargestMultiple || !(lattice.step > 0) || !std::isfinite(lattice.step))
-        return bad_header("the lattice of its values is out of range");
-    return {};
-}
 
 Result<std::optional<int>> read_digits(const Json& json, const char* name) {
     JsonReader reader(json);
@@ -68,23 +25,7 @@ Result<std::optional<int>> read_digits(const Json& json, const char* name) {
     return std::optional(digits);
 }
 
-Status read_goal(const Json& json, Goal& goal) {
-    JsonReader reader(json);
-    const auto name = reader.get<std::string>("kind", "lossless");
-    goal.value = reader.get("value", 0.0);
-    for (const auto kind : {Goal::Kind::Keep, Goal::Kind::RmsError, Goal::Kind::MaxError,
-                            Goal::Kind::Bytes, Goal::Kind::Lossless})
-        if (goal_name(kind) == name) goal.kind = kind;
-    return reader.status();
-}
-
 }  // namespace
-
-const char* lattice_name(Kind kind) {
-    const auto* found = std::find_if(kKinds.begin(), kKinds.end(),
-                                     [kind](const auto& entry) { return entry.first == kind; });
-    return found->second;
-}
 
 std::string write_quad_header(const QuadHeader& header) {
     Json json{{"content", kQuadContent},

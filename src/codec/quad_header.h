@@ -28,8 +28,6 @@ struct QuadHeader {
     double surface_error = 0;  ///< certified bound of the surface's error
 };
 
-[[nodiscard]] const char* lattice_name(ValueLattice::Kind kind);
-
 /// JSON text. Members with their default values are left out.
 [[nodiscard]] std::string write_quad_header(const QuadHeader& header);
 

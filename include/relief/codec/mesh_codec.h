@@ -1,0 +1,136 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "relief/codec/raster_codec.h"
+#include "relief/core/polygon_mesh.h"
+#include "relief/core/stream.h"
+#include "relief/multires/mesh_hierarchy.h"
+
+/// Meshes with subdivision connectivity to .relief files and back. Source:
+/// mesh-codec-and-remesh.md section 2; docs/reverse-subdivision.md, docs/format.md "Meshes".
+///
+/// The mesh is analysed by reverse subdivision, details are quantised in frames along the surface,
+/// and what the file decodes to is measured vertex by vertex. Level 0 is the mesh; each level above
+/// is a coarser one.
+namespace relief::codec {
+
+struct MeshEncodeOptions {
+    Goal goal = {Goal::Kind::Lossless, 0};
+    /// None: what the mesh has the most levels of.
+    std::optional<multires::MeshScheme> scheme = {};
+    int levels = -1;                   ///< at most; -1: as many as the mesh has
+    std::optional<double> alpha = {};  ///< sqrt(3): StepOptions
+    multires::LiftKind lift = multires::LiftKind::Chebyshev;
+    /// Vertices and faces keep their numbers; otherwise the file is smaller where these are not
+    /// those of subdivision.
+    bool keep_order = true;
+    Progress progress = {};
+};
+
+/// What was achieved, measured on the decoded file. Lengths are in the units of the mesh.
+struct MeshReport {
+    multires::MeshScheme scheme = multires::MeshScheme::Loop;
+    int levels = 0;
+    std::int64_t samples = 0;       ///< vertices
+    std::int64_t coefficients = 0;  ///< vectors of the representation
+    std::int64_t kept = 0;          ///< of them: those of the base, and details that are not zero
+    std::uint64_t bytes = 0;
+    double bits_per_sample = 0;
+    double max_error = 0;       ///< largest distance of a vertex from where it was
+    double rms_error = 0;       ///< root mean square of them
+    double energy_percent = 0;  ///< 100 x squared error / squared (mesh minus its coarsest surface)
+    double bound = 0;           ///< of max_error: the goal's, or what was measured
+    std::int64_t base_vertices = 0;
+    std::int64_t base_faces = 0;
+    std::int64_t faces = 0;
+    std::int64_t lost_creases = 0;  ///< sharp edges that no edge of the base is the origin of: they
+                                    ///< are kept as tags of the finest level
+};
+
+struct EncodedMesh {
+    Bytes bytes;
+    MeshReport report;
+};
+
+/// Goals: lossless, to the bit of every coordinate; max-error, of every vertex; rms-error, of the
+/// vertices; bytes; keep, of the details, the largest for their level. Attributes, labels and
+/// creases are kept exactly. Creases and corners that are sharp for ever take part in the
+/// transform.
+/// Errors: those of relief::check and mesh::build, naming the element; BadInput
+/// no_subdivision_connectivity, naming the component; InvalidArgument for goals that are negative
+/// or not numbers, or a size that can not be reached; Cancelled. Complexity: O(n) for each of some
+/// 10 trials.
+[[nodiscard]] Result<EncodedMesh> encode_mesh(const PolygonMesh& mesh,
+                                              const MeshEncodeOptions& options);
+
+/// Moves a control vertex; finer levels follow by subdivision, their details turn and grow with the
+/// surface.
+struct MeshMove {
+    int level = 0;
+    std::uint64_t vertex = 0;  ///< in the numbering of MeshFile::decode(level)
+    std::array<double, 3> delta{};
+
+    friend bool operator==(const MeshMove&, const MeshMove&) = default;
+};
+
+/// An opened file of a mesh, or a prefix of one. Several threads may read at once.
+class MeshFile {
+  public:
+    /// Sees the first `visible` bytes of the source; nothing is trusted. Errors: BadFile saying
+    /// what is damaged, or that the base is not there; Unsupported.
+    [[nodiscard]] static Result<MeshFile> open(
+        std::shared_ptr<const ByteSource> source,
+        std::uint64_t visible = std::numeric_limits<std::uint64_t>::max());
+    /// A whole file in memory.
+    [[nodiscard]] static Result<MeshFile> open(Bytes bytes);
+
+    MeshFile(MeshFile&&) noexcept;
+    MeshFile& operator=(MeshFile&&) noexcept;
+    ~MeshFile();
+
+    [[nodiscard]] const multires::MeshSpec& spec() const;
+    [[nodiscard]] int levels() const;
+    [[nodiscard]] Goal goal() const;
+    [[nodiscard]] bool lossless() const;
+    [[nodiscard]] double step() const;  ///< of the finest details along the normal
+    [[nodiscard]] mesh::MeshCounts counts(int level) const;
+    [[nodiscard]] double max_error() const;  ///< of the vertices, as verified by the encoder
+    [[nodiscard]] double rms_error() const;
+    [[nodiscard]] int version() const;
+    [[nodiscard]] std::uint64_t size() const;  ///< of the whole file, in bytes
+    [[nodiscard]] bool checksums_ok() const;   ///< of all chunks; reads them all
+    [[nodiscard]] const std::vector<MeshMove>& moves() const;
+    [[nodiscard]] bool edited() const { return !moves().empty(); }
+    /// Errors: InvalidArgument for a vertex that does not exist or a move that is not a number of
+    /// at most 1e150.
+    [[nodiscard]] Status check(const std::vector<MeshMove>& more) const;
+    /// The finest level that is complete.
+    [[nodiscard]] int finest_level() const;
+    /// How many first bytes of the file `level` needs.
+    [[nodiscard]] std::uint64_t bytes_for(int level) const;
+    /// Bytes of the chunks, as `info` shows them.
+    [[nodiscard]] std::vector<ChunkSummary> chunks() const;
+    /// Largest error of the vertices; none if edited, or for other levels than 0.
+    [[nodiscard]] std::optional<double> bound(int level) const;
+
+    /// The mesh of a level, with its attributes and creases; level 0 is numbered as what was
+    /// encoded, others as mesh::refine does. Errors: InvalidArgument for a level that the file does
+    /// not have; BadFile. Complexity: O(n) of the finest level that is decoded.
+    [[nodiscard]] Result<PolygonMesh> decode(int level) const;
+
+  private:
+    struct State;
+    explicit MeshFile(std::unique_ptr<State> state);
+    std::unique_ptr<State> state_;
+};
+
+/// The file with more moves. Errors: those of MeshFile::open and check.
+[[nodiscard]] Result<Bytes> add_mesh_moves(Bytes file, const std::vector<MeshMove>& moves);
+
+}  // namespace relief::codec
