@@ -214,8 +214,7 @@ struct Tag {
 
 class ObjReader {
   public:
-    ObjReader(std::string_view text, const std::string& name)
-        : lines_(text, name, Comments::AtWords) {}
+    ObjReader(std::string_view text, const std::string& name) : lines_(text, name, Syntax::Obj) {}
 
     Result<PolygonMesh> read() {
         for (Words words(""); lines_.next(words);) {

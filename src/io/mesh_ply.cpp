@@ -117,7 +117,7 @@ class PlyReader {
         : bytes_(bytes), name_(name) {}
 
     Result<PolygonMesh> read() {
-        Lines lines(text_of(bytes_), name_, Comments::Nowhere);
+        Lines lines(text_of(bytes_), name_, Syntax::Plain);
         RELIEF_TRY(head_, ply::read_head(lines));
         RELIEF_CHECK(choose(lines));
         const std::size_t start = bytes_.size() - lines.bytes_left();

@@ -347,7 +347,7 @@ class BadMeshes(Quads):
         self.refuse(2, "encode", source, out, "--levels", 2, says="1 levels")
         file, _ = self.encoded(source)
         self.refuse(2, "decode", file, self.path("no.off"), "--scale", 2, says="rasters")
-        self.refuse(2, "decode", file, self.path("no.ply"), says=".off or .obj")
+        self.refuse(2, "decode", file, self.path("no.xyz"), says=".obj, .off, .ply, .stl or .glb")
         self.refuse(1, "render", file, self.path("no.png"), says="mesh")
         self.refuse(1, "compare", source, file, "--surface", says="surfaces")
 
