@@ -236,10 +236,17 @@ class ObjReader {
         if (keyword == "vt") return read_texture_place(words);
         if (keyword == "vn") return read_normal(words);
         if (keyword == "t") return read_tag(words);
-        if (keyword == "mtllib" && !words.empty()) mesh_.libraries.emplace_back(words.rest());
+        const std::string_view name = name_of(words);
+        if (keyword == "mtllib" && !name.empty()) mesh_.libraries.emplace_back(name);
         for (Statement& statement : statements_)
-            if (keyword == statement.keyword()) statement.set(words.rest());
+            if (keyword == statement.keyword()) statement.set(name);
         return {};
+    }
+
+    /// All that is left of a line, without a backslash that would continue it elsewhere.
+    static std::string_view name_of(const Words& words) {
+        const std::string_view rest = words.rest();
+        return rest.substr(0, rest.find_last_not_of("\\ \t\r\v\f") + 1);
     }
 
     Status read_vertex(Words words) {

@@ -68,6 +68,8 @@ TEST(Obj, ContinuedLines) {
     EXPECT_EQ(mesh.vertices, (Vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
     EXPECT_EQ(mesh.corners, (Indices{0, 1, 2, 0, 1, 2}));
     EXPECT_EQ(mesh.labels, (std::vector<FaceLabels>{{"usemtl", {"a\\b   c"}, {0, 0}}}));
+    EXPECT_EQ(obj("mtllib a.m\\\\ # not continued\nmtllib \\ #\n").libraries,
+              (std::vector<std::string>{"a.m"}));
     expect_refused(parse_obj(bytes_of(kTriangle + "f 1 2 \\\n4\n"), "a.obj"), "a.obj, line 5",
                    "vertex 4 of 3");
 }
