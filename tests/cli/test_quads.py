@@ -327,7 +327,7 @@ class BadMeshes(Quads):
         self.refused(([(float("nan"),) + vertices[0][1:]] + vertices[1:], quads),
                      "non_finite_vertex", "vertex 0")
         self.refused(([vertices[0][:2] + (float("inf"),)] + vertices[1:], quads),
-                     "non_finite_data", "vertex 0")
+                     "non_finite_vertex", "line 3")
         self.refused((vertices, []), "unused_vertex")
         over = vertices + [(0.5, 0.5, 0), (1.5, 0.5, 0), (1.5, 1.5, 0), (0.5, 1.5, 0)]
         self.refused((over, quads + [(9, 10, 11, 12)]), "overlap")
