@@ -325,7 +325,7 @@ class BadMeshes(Quads):
         self.refused((vertices, quads + [quads[0]]), "edge_used_twice_in_same_direction")
         self.refused((vertices, quads[:3]), "unused_vertex", "vertex 8")
         self.refused(([(float("nan"),) + vertices[0][1:]] + vertices[1:], quads),
-                     "non_finite_vertex", "vertex 0")
+                     "non_finite_vertex", "line 3")
         self.refused(([vertices[0][:2] + (float("inf"),)] + vertices[1:], quads),
                      "non_finite_vertex", "line 3")
         self.refused((vertices, []), "unused_vertex")
