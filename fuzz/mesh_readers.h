@@ -4,40 +4,61 @@
 #include <cstdlib>
 #include <span>
 #include <string>
-#include <string_view>
 
+#include "io/mesh_formats.h"
 #include "relief/io/mesh.h"
 
-/// What the fuzzers of the mesh readers run, and the tests on mutations: any text gives a mesh
-/// whose corners exist, or an error with a place.
+/// What the fuzzers of the mesh readers run, and the tests on mutations: any bytes give a mesh that
+/// passes relief::check, or an error with a place.
 namespace relief::io::fuzz {
 
 inline void require(bool condition) {
     if (!condition) std::abort();
 }
 
-inline void check(const Result<PolygonMesh>& mesh) {
-    if (!mesh.ok()) {
-        require(!mesh.error().message.empty() && mesh.error().where.starts_with("mesh, line "));
-        return;
-    }
-    require(mesh->offsets.front() == 0);
-    require(mesh->offsets.back() == static_cast<std::int64_t>(mesh->corners.size()));
-    for (std::int64_t k = 0; k < mesh->polygon_count(); ++k) require(mesh->polygon(k).size() >= 3);
-    for (const std::int32_t v : mesh->corners)
-        require(v >= 0 && static_cast<std::size_t>(v) < mesh->vertices.size());
+inline void check_mesh(const PolygonMesh& mesh) {
+    require(relief::check(mesh).ok());
 }
 
-inline std::string_view text_of(std::span<const std::uint8_t> bytes) {
-    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+inline void check_error(const Error& error) {
+    require(!error.message.empty());
+    require(error.where.starts_with("mesh, line ") || error.where.starts_with("mesh, byte "));
+}
+
+inline std::span<const std::uint8_t> bytes_of(const std::string& bytes) {
+    return {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
 }
 
 inline void off(std::span<const std::uint8_t> bytes) {
-    check(parse_off(text_of(bytes), "mesh"));
+    const auto mesh = parse_off(bytes, "mesh");
+    if (!mesh.ok()) return check_error(mesh.error());
+    check_mesh(*mesh);
 }
 
 inline void obj(std::span<const std::uint8_t> bytes) {
-    check(parse_obj(text_of(bytes), "mesh"));
+    const auto mesh = parse_obj(bytes, "mesh");
+    if (!mesh.ok()) return check_error(mesh.error());
+    check_mesh(*mesh);
+    const auto again = parse_obj(bytes_of(detail::encode_obj(*mesh).bytes), "mesh");
+    require(again.ok() && again->vertices == mesh->vertices && again->corners == mesh->corners &&
+            again->labels == mesh->labels && again->creases == mesh->creases);
+}
+
+/// PLY keeps all that is read from it.
+inline void ply(std::span<const std::uint8_t> bytes) {
+    const auto mesh = parse_ply(bytes, "mesh");
+    if (!mesh.ok()) return check_error(mesh.error());
+    check_mesh(*mesh);
+    for (const PlyEncoding encoding : {PlyEncoding::Binary, PlyEncoding::Ascii}) {
+        const auto again = parse_ply(bytes_of(detail::encode_ply(*mesh, encoding).bytes), "mesh");
+        require(again.ok() && *again == *mesh);
+    }
+}
+
+inline void stl(std::span<const std::uint8_t> bytes) {
+    const auto loaded = parse_stl(bytes, "mesh");
+    if (!loaded.ok()) return check_error(loaded.error());
+    check_mesh(loaded->mesh);
 }
 
 }  // namespace relief::io::fuzz

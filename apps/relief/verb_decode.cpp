@@ -307,9 +307,9 @@ void add_decode(Program& program) {
         "  relief decode quads.relief coarse.off --level 1",
         [options, &program] { return run(*options, program.globals); });
     verb->add_option("IN", options->in, "the .relief file")->required();
-    verb->add_option(
-            "OUT", options->out,
-            "the raster or mesh; its extension names the format (.tif: GeoTIFF, .off, .obj)")
+    verb->add_option("OUT", options->out,
+                     "the raster or mesh; its extension names the format (.tif: GeoTIFF, .off, "
+                     ".obj, .ply, ..)")
         ->required();
     verb->add_option(
             "--level", options->level,

@@ -102,7 +102,7 @@ void add_encode(Program& program) {
         [options, &program] { return run(*options, program.globals); });
     verb->add_option("IN", options->in,
                      "a raster of any format GDAL reads, 1 to 4 bands; or a mesh of quads over the "
-                     "plane, .off or .obj")
+                     "plane, .off, .obj or .ply")
         ->required();
     verb->add_option("OUT", options->out, "the .relief file")->required();
     options->scheme.add_to(*verb);

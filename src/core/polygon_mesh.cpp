@@ -148,7 +148,8 @@ Status check_distinct(const std::vector<Element>& list, std::string Element::*ke
 bool is_label_name(std::string_view name) {
     constexpr std::string_view blanks = " \t\r\v\f";
     const auto is_blank = [&](char c) { return blanks.find(c) != std::string_view::npos; };
-    if (name.empty() || is_blank(name.front()) || is_blank(name.back())) return false;
+    if (name.empty() || is_blank(name.front()) || is_blank(name.back()) || name.back() == '\\')
+        return false;
     for (std::size_t k = 0; k < name.size(); ++k)
         if (name[k] == '\n' || (name[k] == '#' && (k == 0 || is_blank(name[k - 1])))) return false;
     return true;

@@ -22,9 +22,10 @@ FileKind by_content(std::string_view head) {
     const std::string_view first_word = head.substr(0, head.find_first_of(" \t\r\n"sv));
     if (first_word == "ply" || head.starts_with("glTF"sv)) return FileKind::Mesh;
     if (detail::is_off_keyword(first_word)) return FileKind::Mesh;
+    const std::string word = detail::lower_case(std::string(first_word));
+    if (word == "solid") return FileKind::Mesh;
     // An ESRI grid is often called .txt.
-    if (is_one_of(detail::lower_case(std::string(first_word)), {"ncols", "nrows"}))
-        return FileKind::Raster;
+    if (is_one_of(word, {"ncols", "nrows"})) return FileKind::Raster;
     return FileKind::Unknown;
 }
 

@@ -166,21 +166,19 @@ class Statement {
     [[nodiscard]] const std::string& keyword() const { return labels_.keyword; }
 
     /// `name` outlives this object.
-    void set(std::string_view name, std::int64_t faces) {
-        const bool none = name.empty() || (keyword() == "s" && (name == "off" || name == "0"));
-        if (none) {
-            current_ = -1;
-            return;
-        }
-        if (labels_.names.empty()) labels_.of_face.resize(static_cast<std::size_t>(faces), -1);
-        const auto next = static_cast<std::int32_t>(labels_.names.size());
-        const auto [place, is_new] = numbers_.try_emplace(name, next);
-        if (is_new) labels_.names.emplace_back(name);
-        current_ = place->second;
+    void set(std::string_view name) {
+        const bool none = keyword() == "s" && (name == "off" || name == "0");
+        name_ = none ? std::string_view() : name;
+        is_known_ = false;
     }
 
-    void add_face() {
-        if (!labels_.names.empty()) labels_.of_face.push_back(current_);
+    /// Face `number`; names become labels with the first face that has them.
+    void add_face(std::int64_t number) {
+        if (!is_known_) current_ = number_of(name_);
+        is_known_ = true;
+        if (labels_.names.empty()) return;
+        labels_.of_face.resize(static_cast<std::size_t>(number), -1);
+        labels_.of_face.push_back(current_);
     }
 
     void finish(PolygonMesh& mesh) {
@@ -188,9 +186,19 @@ class Statement {
     }
 
   private:
+    std::int32_t number_of(std::string_view name) {
+        if (name.empty()) return -1;
+        const auto next = static_cast<std::int32_t>(labels_.names.size());
+        const auto [place, is_new] = numbers_.try_emplace(name, next);
+        if (is_new) labels_.names.emplace_back(name);
+        return place->second;
+    }
+
     FaceLabels labels_;
     std::map<std::string_view, std::int32_t> numbers_;
+    std::string_view name_;  ///< of the next faces; empty: none
     std::int32_t current_ = -1;
+    bool is_known_ = true;  ///< current_ is the number of name_
 };
 
 /// The arguments of a line `t name ints/floats/strings ..`; strings are left out.
@@ -206,8 +214,7 @@ struct Tag {
 
 class ObjReader {
   public:
-    ObjReader(std::string_view text, const std::string& name)
-        : lines_(text, name, Comments::AtWords) {}
+    ObjReader(std::string_view text, const std::string& name) : lines_(text, name, Syntax::Obj) {}
 
     Result<PolygonMesh> read() {
         for (Words words(""); lines_.next(words);) {
@@ -229,10 +236,17 @@ class ObjReader {
         if (keyword == "vt") return read_texture_place(words);
         if (keyword == "vn") return read_normal(words);
         if (keyword == "t") return read_tag(words);
-        if (keyword == "mtllib" && !words.empty()) mesh_.libraries.emplace_back(words.rest());
+        const std::string_view name = name_of(words);
+        if (keyword == "mtllib" && !name.empty()) mesh_.libraries.emplace_back(name);
         for (Statement& statement : statements_)
-            if (keyword == statement.keyword()) statement.set(words.rest(), mesh_.polygon_count());
+            if (keyword == statement.keyword()) statement.set(name);
         return {};
+    }
+
+    /// All that is left of a line, without a backslash that would continue it elsewhere.
+    static std::string_view name_of(const Words& words) {
+        const std::string_view rest = words.rest();
+        return rest.substr(0, rest.find_last_not_of("\\ \t\r\v\f") + 1);
     }
 
     Status read_vertex(Words words) {
@@ -276,10 +290,10 @@ class ObjReader {
         if (size < 3) return lines_.error("a face needs at least 3 corners");
         if (static_cast<std::int64_t>(mesh_.corners.size()) > kMostElements)
             return lines_.error(kTooMany);
+        for (Statement& statement : statements_) statement.add_face(mesh_.polygon_count());
         mesh_.offsets.push_back(static_cast<std::int64_t>(mesh_.corners.size()));
         uv_.end_polygon(size);
         normals_.end_polygon(size);
-        for (Statement& statement : statements_) statement.add_face();
         return {};
     }
 

@@ -50,8 +50,7 @@ OffPrefixes prefixes_of(std::string_view word) {
 
 class OffReader {
   public:
-    OffReader(std::string_view text, const std::string& name)
-        : lines_(text, name, Comments::Anywhere) {}
+    OffReader(std::string_view text, const std::string& name) : lines_(text, name, Syntax::Off) {}
 
     Result<PolygonMesh> read() {
         RELIEF_TRY(const OffHead head, read_head());

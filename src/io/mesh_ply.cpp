@@ -31,7 +31,7 @@ class Body {
     virtual ~Body() = default;
 
     /// What may fit into the rest of the file, at most.
-    [[nodiscard]] virtual std::int64_t most_rows(const Element& element) const = 0;
+    [[nodiscard]] virtual std::int64_t most_rows(const Element& element) = 0;
     /// False at the end of the file.
     virtual bool begin_row() = 0;
     /// False if there is no number of this type.
@@ -47,7 +47,7 @@ class TextBody final : public Body {
   public:
     explicit TextBody(const Lines& lines) : lines_(lines) {}
 
-    [[nodiscard]] std::int64_t most_rows(const Element& element) const override {
+    [[nodiscard]] std::int64_t most_rows(const Element& element) override {
         // Each number takes a digit and what separates it from the next.
         const std::size_t shortest = 2 * element.properties.size();
         return static_cast<std::int64_t>((lines_.bytes_left() + 1) / shortest);
@@ -79,7 +79,8 @@ class BinaryBody final : public Body {
                const std::string& name)
         : bytes_(bytes), at_(at), last_(at), big_(big), name_(name) {}
 
-    [[nodiscard]] std::int64_t most_rows(const Element& element) const override {
+    [[nodiscard]] std::int64_t most_rows(const Element& element) override {
+        last_ = at_;
         std::size_t shortest = 0;
         for (const Property& property : element.properties)
             shortest += ply::size_of(property.count_type.value_or(property.type));
@@ -116,7 +117,7 @@ class PlyReader {
         : bytes_(bytes), name_(name) {}
 
     Result<PolygonMesh> read() {
-        Lines lines(text_of(bytes_), name_, Comments::Nowhere);
+        Lines lines(text_of(bytes_), name_, Syntax::Plain);
         RELIEF_TRY(head_, ply::read_head(lines));
         RELIEF_CHECK(choose(lines));
         const std::size_t start = bytes_.size() - lines.bytes_left();

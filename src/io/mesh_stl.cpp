@@ -65,7 +65,7 @@ Result<LoadedMesh> read_binary(std::span<const std::uint8_t> bytes, const std::s
 
 /// The text is a sequence of facets, whatever solids and loops they are in.
 Result<LoadedMesh> read_ascii(std::string_view text, const std::string& name) {
-    Lines lines(text, name, Comments::Nowhere);
+    Lines lines(text, name, Syntax::Plain);
     std::vector<double> places;
     bool inside = false;       // of a facet
     std::size_t first = 0;     // where its corners begin

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <deque>
 #include <span>
 #include <string>
 #include <string_view>
@@ -48,21 +49,21 @@ bool parse_number(std::string_view word, Number& value) {
     return error == std::errc() && end == word.data() + word.size();
 }
 
-/// Where # begins a comment, which lasts to the end of the line.
-enum class Comments { Nowhere, Anywhere, AtWords };
+/// Where # begins a comment, which lasts to the end of the line: nowhere, anywhere, or (Obj) at the
+/// beginning of a word. A backslash at the end of a line of Obj continues it on the next.
+enum class Syntax { Plain, Off, Obj };
 
 /// The lines that say something: without comments, not blank.
 class Lines {
   public:
-    Lines(std::string_view text, const std::string& name, Comments comments)
-        : rest_(text), name_(name), comments_(comments) {}
+    Lines(std::string_view text, const std::string& name, Syntax syntax)
+        : rest_(text), name_(name), syntax_(syntax) {}
 
     /// The next line; false at the end of the text.
     bool next(Words& words) {
         while (!rest_.empty()) {
-            const std::string_view line = rest_.substr(0, rest_.find('\n'));
-            rest_.remove_prefix(line.size() < rest_.size() ? line.size() + 1 : line.size());
-            ++number_;
+            std::string_view line = take();
+            if (syntax_ == Syntax::Obj && is_continued(line)) line = join(line);
             words = Words(line.substr(0, comment_at(line)));
             if (!words.empty()) return true;
         }
@@ -81,10 +82,30 @@ class Lines {
     }
 
   private:
+    /// The next line as it stands there.
+    std::string_view take() {
+        const std::string_view line = rest_.substr(0, rest_.find('\n'));
+        rest_.remove_prefix(line.size() < rest_.size() ? line.size() + 1 : line.size());
+        ++number_;
+        return line;
+    }
+
+    static bool is_continued(std::string_view line) {
+        return line.ends_with('\\') || line.ends_with("\\\r");
+    }
+
+    /// The line and those that continue it. Valid as long as this object.
+    std::string_view join(std::string_view line) {
+        std::string& whole = joined_.emplace_back();
+        for (; is_continued(line); line = take())
+            whole.append(line.substr(0, line.rfind('\\'))) += ' ';
+        return whole.append(line);
+    }
+
     [[nodiscard]] std::size_t comment_at(std::string_view line) const {
-        if (comments_ == Comments::Nowhere) return line.size();
+        if (syntax_ == Syntax::Plain) return line.size();
         std::size_t at = line.find('#');
-        while (comments_ == Comments::AtWords && at != std::string_view::npos && at > 0 &&
+        while (syntax_ == Syntax::Obj && at != std::string_view::npos && at > 0 &&
                Words::kBlanks.find(line[at - 1]) == std::string_view::npos)
             at = line.find('#', at + 1);
         return at;
@@ -92,7 +113,8 @@ class Lines {
 
     std::string_view rest_;
     const std::string& name_;
-    Comments comments_;
+    Syntax syntax_;
+    std::deque<std::string> joined_;  ///< lines that were continued
     std::int64_t number_ = 0;
 };
 

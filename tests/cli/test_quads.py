@@ -325,9 +325,9 @@ class BadMeshes(Quads):
         self.refused((vertices, quads + [quads[0]]), "edge_used_twice_in_same_direction")
         self.refused((vertices, quads[:3]), "unused_vertex", "vertex 8")
         self.refused(([(float("nan"),) + vertices[0][1:]] + vertices[1:], quads),
-                     "non_finite_vertex", "vertex 0")
+                     "non_finite_vertex", "line 3")
         self.refused(([vertices[0][:2] + (float("inf"),)] + vertices[1:], quads),
-                     "non_finite_data", "vertex 0")
+                     "non_finite_vertex", "line 3")
         self.refused((vertices, []), "unused_vertex")
         over = vertices + [(0.5, 0.5, 0), (1.5, 0.5, 0), (1.5, 1.5, 0), (0.5, 1.5, 0)]
         self.refused((over, quads + [(9, 10, 11, 12)]), "overlap")
@@ -347,7 +347,7 @@ class BadMeshes(Quads):
         self.refuse(2, "encode", source, out, "--levels", 2, says="1 levels")
         file, _ = self.encoded(source)
         self.refuse(2, "decode", file, self.path("no.off"), "--scale", 2, says="rasters")
-        self.refuse(2, "decode", file, self.path("no.ply"), says=".off or .obj")
+        self.refuse(2, "decode", file, self.path("no.xyz"), says=".obj, .off, .ply, .stl or .glb")
         self.refuse(1, "render", file, self.path("no.png"), says="mesh")
         self.refuse(1, "compare", source, file, "--surface", says="surfaces")
 

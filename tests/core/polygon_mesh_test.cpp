@@ -89,7 +89,7 @@ TEST(PolygonMesh, EveryRuleIsChecked) {
 TEST(PolygonMesh, NamesThatALineCanEndWith) {
     for (const char* name : {"wood", "old brass", "Material#25", "a\tb", "off"})
         EXPECT_TRUE(is_label_name(name)) << name;
-    for (const char* name : {"", " ", "a ", "\ta", "a\nb", "# a", "a #b"})
+    for (const char* name : {"", " ", "a ", "\ta", "a\nb", "# a", "a #b", "a\\"})
         EXPECT_FALSE(is_label_name(name)) << name;
 }
 

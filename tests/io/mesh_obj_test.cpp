@@ -61,6 +61,19 @@ TEST(Obj, LabelsOfFaces) {
                                        {"s", {"1"}, {-1, -1, 0, -1, -1}}}));
 }
 
+TEST(Obj, ContinuedLines) {
+    const PolygonMesh mesh =
+        obj("v 0 0 \\\n0\nv 1 0 0\\\r\n\nv 0 1 0\nusemtl a\\b \\\n c\n"
+            "f 1\\\n 2 \\\n3\nf 1 2 3 \\");
+    EXPECT_EQ(mesh.vertices, (Vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+    EXPECT_EQ(mesh.corners, (Indices{0, 1, 2, 0, 1, 2}));
+    EXPECT_EQ(mesh.labels, (std::vector<FaceLabels>{{"usemtl", {"a\\b   c"}, {0, 0}}}));
+    EXPECT_EQ(obj("mtllib a.m\\\\ # not continued\nmtllib \\ #\n").libraries,
+              (std::vector<std::string>{"a.m"}));
+    expect_refused(parse_obj(bytes_of(kTriangle + "f 1 2 \\\n4\n"), "a.obj"), "a.obj, line 5",
+                   "vertex 4 of 3");
+}
+
 TEST(Obj, CreasesAndCorners) {
     const PolygonMesh mesh = obj(
         "t crease 2/1/0 0 1 2.5\n" + kTriangle +

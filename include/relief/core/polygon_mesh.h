@@ -37,8 +37,8 @@ struct MeshAttribute {
     friend bool operator==(const MeshAttribute&, const MeshAttribute&) = default;
 };
 
-/// Whether a line of a text file can end with this name: it is not empty, has no line break and no
-/// blanks at its ends, and no word of it begins with #.
+/// Whether a line of a text file can end with this name: it is not empty, has no line break, no
+/// blanks at its ends and no backslash at its last one, and no word of it begins with #.
 [[nodiscard]] bool is_label_name(std::string_view name);
 
 /// What the polygons are called in one respect: their groups ("g"), objects ("o"), materials

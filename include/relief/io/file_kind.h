@@ -7,10 +7,10 @@ namespace relief::io {
 
 enum class FileKind : std::uint8_t { Relief, Raster, Mesh, Points, Unknown };
 
-/// What a file is. First its content: the .relief signature, PLY, OFF, glTF and ESRI grid headers;
-/// then its extension: .obj .off .ply .stl .glb are meshes (.glb is only written), .xyz .csv .txt
-/// points; then whether GDAL knows a raster in it. Unknown if it can not be read. Never writes or
-/// prints.
+/// What a file is. First its content: the .relief signature, PLY, OFF, glTF, ASCII STL and ESRI
+/// grid headers; then its extension: .obj .off .ply .stl .glb are meshes (.glb is only written),
+/// .xyz .csv .txt points; then whether GDAL knows a raster in it. Unknown if it can not be read.
+/// Never writes or prints.
 [[nodiscard]] FileKind recognise(const std::string& path);
 
 }  // namespace relief::io

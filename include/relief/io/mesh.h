@@ -14,7 +14,7 @@
 /// Readers take the bytes of a file and its name for messages. What they deliver passes
 /// relief::check. Errors: BadInput, or Unsupported for variants that are not read, in
 /// "name, line n" of a text or "name, byte n" of a binary file. Time is O(n log n) of the bytes,
-/// memory a small multiple of them, whatever the file claims.
+/// memory at most about 16 times as much as they, whatever the file claims.
 namespace relief::io {
 
 /// An Object File Format text: OFF with the prefixes ST, C and N for "uv", "colour" and "normal";
