@@ -123,6 +123,72 @@ Result<MeshOrder> read_order(std::span<const std::uint8_t> bytes, const mesh::To
     return damaged("order");
 }
 
+namespace {
+
+/// faces: their numbers and which of their corners is the first of the coded face.
+struct FacePlace {
+    Index face = 0;
+    Index turn = 0;
+};
+
+template <class Coder>
+void code_base_order(Series<Coder>& series, std::vector<Index>& vertices,
+                     std::vector<FacePlace>& faces) {
+    code_order(series, vertices, 1, 0);
+    std::int64_t expected = 0;
+    for (FacePlace& place : faces) {
+        const std::int64_t face = series.code_near(place.face, expected, 1);
+        place.face = static_cast<Index>(std::clamp<std::int64_t>(face, 0, kNone));
+        place.turn =
+            static_cast<Index>(std::clamp<std::int64_t>(series.code(place.turn, 2), 0, kNone));
+        expected = face + 1;
+    }
+}
+
+}  // namespace
+
+Bytes write_base_order(const CodedBase& coded, const mesh::Topology& base) {
+    std::vector<FacePlace> faces;
+    bool same = true;
+    for (std::size_t f = 0; f < coded.corners.size(); ++f) {
+        const Index face = base.face_of(coded.corners[f]);
+        faces.push_back({face, coded.corners[f] - base.first_of(face)});
+        same = same && face == f && faces.back().turn == 0;
+    }
+    for (std::size_t v = 0; v < coded.vertices.size(); ++v) same &= coded.vertices[v] == v;
+    if (same) return {};
+    std::vector<Index> vertices = coded.vertices;
+    return encoded([&](auto& series) { code_base_order(series, vertices, faces); });
+}
+
+Result<BaseMesh> in_own_order(std::span<const std::uint8_t> bytes, BaseMesh coded) {
+    if (bytes.empty()) return coded;
+    std::vector<Index> vertices(coded.points.size());
+    std::vector<FacePlace> faces(coded.faces.size());
+    RELIEF_CHECK(
+        decoded(bytes, "base", [&](auto& series) { code_base_order(series, vertices, faces); }));
+    std::vector<std::size_t> at(faces.size(), faces.size());
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        if (faces[f].face >= faces.size() || at[faces[f].face] != faces.size() ||
+            faces[f].turn >= coded.faces[f].size())
+            return damaged("base");
+        at[faces[f].face] = f;
+    }
+    if (!is_permutation(vertices, 1)) return damaged("base");
+    BaseMesh result;
+    result.points.resize(coded.points.size());
+    for (std::size_t v = 0; v < vertices.size(); ++v) result.points[vertices[v]] = coded.points[v];
+    std::vector<Index> corners;
+    for (const std::size_t f : at) {
+        const auto face = coded.faces[f];
+        corners.clear();
+        for (std::size_t k = 0; k < face.size(); ++k)
+            corners.push_back(vertices[face[(k + face.size() - faces[f].turn) % face.size()]]);
+        result.faces.add(corners);
+    }
+    return result;
+}
+
 Bytes write_tags(const multires::MeshTags& tags) {
     const auto none = [](const std::vector<std::uint8_t>& marks) {
         return std::all_of(marks.begin(), marks.end(), [](auto mark) { return mark == 0; });

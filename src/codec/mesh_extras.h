@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "codec/mesh_base.h"
 #include "codec/mesh_header.h"
 #include "relief/core/polygon_mesh.h"
 #include "relief/core/stream.h"
@@ -22,6 +23,12 @@ struct MeshOrder {
 /// Errors: BadFile, also for numbers that do not occur once each.
 [[nodiscard]] Result<MeshOrder> read_order(std::span<const std::uint8_t> bytes,
                                            const mesh::Topology& finest);
+
+/// The numbers of a base in the order in which its connectivity is coded: vertices, and half-edges
+/// that faces begin with. Empty if they are the same.
+[[nodiscard]] Bytes write_base_order(const CodedBase& coded, const mesh::Topology& base);
+/// The base in its own order. Errors: BadFile.
+[[nodiscard]] Result<BaseMesh> in_own_order(std::span<const std::uint8_t> bytes, BaseMesh coded);
 
 /// Sharp edges and corners of the base; empty: none.
 [[nodiscard]] Bytes write_tags(const multires::MeshTags& tags);

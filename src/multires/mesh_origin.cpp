@@ -369,4 +369,66 @@ Result<MeshOrigin> origin_of(const Topology& mesh, std::span<const Vec3<double>>
     return origin;
 }
 
+namespace {
+
+/// For each half-edge of a mesh where its split has what Unsplit::fine names.
+Buffer<Index> own_starts(const Topology& coarse, Split split) {
+    Buffer<Index> starts(coarse.half_edge_count());
+    const bool sqrt3 = split == Split::Sqrt3Odd || split == Split::Sqrt3Even;
+    const Buffer<Index> faces = sqrt3 ? mesh::sqrt3_faces(coarse, split) : Buffer<Index>();
+    for (Index h = 0; h < starts.size(); ++h)
+        starts[h] = sqrt3                  ? 3 * faces[h]
+                    : split == Split::Loop ? 12 * (h / 3) + 3 * (h % 3)
+                                           : 4 * h;
+    return starts;
+}
+
+}  // namespace
+
+Result<MeshOrigin> renumbered(const MeshOrigin& origin, std::span<const Index> vertices,
+                              std::span<const Index> corners) {
+    const Topology& base = origin.base;
+    std::vector<Index> numbers(base.vertex_count);
+    for (Index v = 0; v < vertices.size(); ++v) numbers[vertices[v]] = v;
+    MeshOrigin result;
+    result.spec = origin.spec;
+    result.steps = origin.steps;
+    result.lost_creases = origin.lost_creases;
+    mesh::FaceList faces;
+    std::vector<Index> here;
+    for (const Index first : corners) {
+        Index h = first;
+        do {
+            faces.corners.push_back(numbers[base.origin[h]]);
+            here.push_back(h);
+            h = base.next(h);
+        } while (h != first);
+        faces.offsets.push_back(static_cast<std::int64_t>(here.size()));
+    }
+    RELIEF_TRY(result.base, mesh::build(faces, base.vertex_count));
+    if (!origin.tags.corner.empty())
+        for (const Index v : vertices) result.tags.corner.push_back(origin.tags.corner[v]);
+    if (!origin.tags.sharp.empty()) {
+        result.tags.sharp.resize(base.edge_count);
+        for (Index h = 0; h < here.size(); ++h)
+            result.tags.sharp[result.base.edge[h]] = origin.tags.sharp[base.edge[here[h]]];
+    }
+    // Both are subdivided side by side.
+    Topology mine = *mesh::build(faces, base.vertex_count);
+    Topology theirs = *mesh::build(mesh::faces_of(base), base.vertex_count);
+    for (int step = 0; step < origin.steps; ++step) {
+        const Split split = origin.spec.split(step);
+        const Buffer<Index> starts = own_starts(theirs, split);
+        Buffer<Index> start(here.size());
+        for (std::size_t h = 0; h < here.size(); ++h) start[h] = starts[here[h]];
+        RELIEF_TRY(theirs, mesh::refine(theirs, split));
+        const Buffer<Index> finer = mesh::fine_half_edges(mine, split, theirs, start);
+        here.assign(finer.data(), finer.data() + finer.size());
+        RELIEF_TRY(mine, mesh::refine(mine, split));
+    }
+    result.half_edges = Buffer<Index>(here.size());
+    for (std::size_t h = 0; h < here.size(); ++h) result.half_edges[h] = origin.half_edges[here[h]];
+    return result;
+}
+
 }  // namespace relief::multires

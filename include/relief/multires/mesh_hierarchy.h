@@ -78,6 +78,12 @@ struct MeshOrigin {
                                            std::span<const Vec3<double>> points,
                                            const MeshTags& tags, MeshScheme scheme, int most);
 
+/// The same with another numbering of the base: vertices[v] is the number so far of vertex v,
+/// corners[f] the half-edge so far that face f begins with. Complexity: O(n).
+[[nodiscard]] Result<MeshOrigin> renumbered(const MeshOrigin& origin,
+                                            std::span<const mesh::Index> vertices,
+                                            std::span<const mesh::Index> corners);
+
 /// How coefficients are made.
 struct MeshTransform {
     LiftKind lift = LiftKind::Chebyshev;

@@ -1,0 +1,443 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "codec/bytes.h"
+#include "codec/decimal.h"
+#include "codec/mesh_source.h"
+#include "codec/pyramid_search.h"
+#include "relief/codec/container.h"
+#include "relief/multires/mesh_frames.h"
+
+namespace relief::codec {
+
+namespace {
+
+using mesh::Index;
+using Kind = Goal::Kind;
+using multires::DetailFrames;
+
+/// Steps of a first trial, in units of the goal.
+constexpr double kFirstOfRms = 4;
+constexpr double kFirstOfMax = 1.5;
+/// How near to the goal a search ends, and after how many trials.
+constexpr double kClosely = 0.98;
+constexpr int kTrials = 12;
+/// Every move to the next coarser level, in bounded files and in others, is worth so much.
+constexpr double kGainOfMax = 1.4;
+/// Files that keep coefficients exactly: 2^-24 of the largest.
+constexpr double kFine = 0x1p-24;
+/// What the bounds in a header may take more than was thought.
+constexpr std::uint64_t kHeaderSlack = 16;
+
+struct Errors {
+    double max = 0;
+    double square = 0;
+};
+
+/// One way to quantise: integers, what they give, and how far that is off.
+struct Trial {
+    MeshQuantisation quantisation;
+    std::vector<GridPoint> base;
+    std::vector<QuantisedStep> steps;
+    MeshPoints points;
+    Errors errors;
+};
+
+class Encoder {
+  public:
+    Encoder(const PolygonMesh& mesh, const MeshEncodeOptions& options, MeshSource source)
+        : mesh_(mesh),
+          options_(options),
+          source_(std::move(source)),
+          exact_(coefficients_of(source_.synthesis, source_.points)) {
+        std::vector<double> all;
+        for (const auto& p : source_.points) all.insert(all.end(), {p.x, p.y, p.z});
+        lattice_ = ValueLattice::exact(all);
+        for (const auto& v : mesh.vertices)
+            for (const double x : v) largest_ = std::max(largest_, std::abs(x));
+        Vec3<double> sum;
+        for (std::size_t v = 0; v < base_count(); ++v) sum += exact_.points[v];
+        const Vec3<double> centre = 1 / static_cast<double>(base_count()) * sum;
+        // Any grid will do; a short origin makes a short header.
+        origin_ = {rounded(centre.x, 4), rounded(centre.y, 4), rounded(centre.z, 4)};
+    }
+
+    Result<EncodedMesh> run() {
+        RELIEF_TRY(const Trial best, choose());
+        if (cancelled(0.9)) return cancelled_error();
+        RELIEF_TRY(EncodedMesh encoded, finish(best));
+        if (options_.progress) options_.progress(1);
+        return encoded;
+    }
+
+  private:
+    [[nodiscard]] const multires::MeshHierarchy& hierarchy() const { return source_.hierarchy(); }
+    [[nodiscard]] int levels() const { return source_.header.levels; }
+    [[nodiscard]] std::size_t base_count() const { return hierarchy().vertices(0); }
+    [[nodiscard]] double count() const { return static_cast<double>(source_.points.size()); }
+    [[nodiscard]] double rms(const Errors& errors) const {
+        return std::sqrt(errors.square / count());
+    }
+
+    /// The scheme's norms of details grow by this from one step to the coarser one.
+    [[nodiscard]] double norm_gain() const {
+        return source_.header.spec.scheme == multires::MeshScheme::Sqrt3 ? 1.7320508075688772 : 2;
+    }
+
+    bool cancelled(double done) {
+        done_ = std::max(done_, done);
+        return options_.progress && !options_.progress(done_);
+    }
+
+    Result<Trial> choose() {
+        const Goal& goal = options_.goal;
+        switch (goal.kind) {
+            case Kind::MaxError:
+                return search_error(kGainOfMax, kFirstOfMax,
+                                    [](const Encoder&, const Trial& t) { return t.errors.max; });
+            case Kind::RmsError:
+                return search_error(norm_gain(), kFirstOfRms, [](const Encoder& e, const Trial& t) {
+                    return e.rms(t.errors);
+                });
+            case Kind::Bytes:
+                return search_bytes();
+            case Kind::Keep:
+                return keep();
+            default:
+                return search_lossless();
+        }
+    }
+
+    /// The distance of neighbouring coordinates at the mesh's magnitude.
+    [[nodiscard]] double smallest_step() const {
+        if (lattice_.kind == ValueLattice::Kind::Decimal) return lattice_.value(1);
+        const double epsilon = lattice_.kind == ValueLattice::Kind::Float32 ? 0x1p-24 : 0x1p-52;
+        return std::max(largest_ * epsilon, 1e-290);
+    }
+
+    [[nodiscard]] MeshQuantisation quantisation(double step, double gain) const {
+        MeshQuantisation q;
+        // So that quotients stay below 2^50, and the coarsest step is a number.
+        const double least = std::max(largest_ * 0x1p-44, 1e-280) * std::pow(gain, levels());
+        q.step = rounded(std::clamp(step, least, 1e290), 4);
+        q.gain = gain;
+        q.origin = origin_;
+        return q;
+    }
+
+    /// From coarse to fine, each step in the frames of what the decoder has.
+    Trial trial(const MeshQuantisation& q, const MeshCoefficients& exact) const {
+        Trial t;
+        t.quantisation = q;
+        for (std::size_t v = 0; v < base_count(); ++v) {
+            t.base.push_back(base_grid_point(q, levels(), exact.points[v]));
+            t.points.push_back(base_point(q, levels(), t.base.back()));
+        }
+        for (int step = 0; step < levels(); ++step) {
+            const DetailFrames frames(hierarchy(), step, t.points.data());
+            const double size = q.step_of(step, levels());
+            const Vec3<double>* details = exact.points.data() + hierarchy().vertices(step);
+            const MeshPoints& residuals = exact.residuals[static_cast<std::size_t>(step)];
+            QuantisedStep& quantised_step = t.steps.emplace_back();
+            MeshPoints fresh;
+            for (std::size_t k = 0; k < frames.fresh().size(); ++k) {
+                const auto& frame = frames.fresh()[k];
+                const QuantisedDetail& detail = quantised_step.fresh.emplace_back(
+                    quantised(frame.in(details[k]), size, q.tangential));
+                fresh.push_back(frame.out(reconstructed(detail, size, q.tangential)));
+            }
+            MeshPoints stiff;
+            for (std::size_t k = 0; k < residuals.size(); ++k) {
+                const auto& frame = frames.stiff()[k];
+                const QuantisedDetail& detail = quantised_step.stiff.emplace_back(
+                    quantised(frame.in(residuals[k]), size, q.tangential));
+                stiff.push_back(frame.out(reconstructed(detail, size, q.tangential)));
+            }
+            t.points.insert(t.points.end(), fresh.begin(), fresh.end());
+            source_.synthesis.maps().synthesise_global(step, t.points.data(), stiff);
+        }
+        t.errors = errors_of(t.points);
+        return t;
+    }
+
+    [[nodiscard]] Errors errors_of(const MeshPoints& points) const {
+        Errors errors;
+        for (std::size_t k = 0; k < points.size(); ++k) {
+            const Vec3<double> off = points[k] - source_.points[k];
+            errors.max = std::max(errors.max, dot(off, off));
+            errors.square += dot(off, off);
+        }
+        errors.max = std::sqrt(errors.max);
+        return errors;
+    }
+
+    /// The largest step with which the error stays within the goal; lossless if there is none.
+    template <class ErrorOf>
+    Result<Trial> search_error(double gain, double first, ErrorOf error_of) {
+        const double goal = options_.goal.value;
+        std::optional<Trial> best;
+        double good = 0;
+        double bad = std::numeric_limits<double>::infinity();
+        double step = first * goal;
+        for (int k = 0; k < kTrials && goal > smallest_step() / 4; ++k) {
+            if (cancelled(0.9 * k / kTrials)) return cancelled_error();
+            Trial t = trial(quantisation(step, gain), exact_);
+            const double share = error_of(*this, t) / goal;
+            const double used = t.quantisation.step;
+            if (share <= 1) {
+                if (used > good) best = std::move(t);
+                good = std::max(good, used);
+                if (share >= kClosely) break;
+            } else {
+                bad = std::min(bad, used);
+            }
+            const double aim = used * std::pow(std::max(share, 1e-3) / 0.99, -0.9);
+            step = aim;
+            if (good > 0 && bad < HUGE_VAL && !(aim > good && aim < bad))
+                step = std::sqrt(good * bad);
+            if (good > 0 && bad / good < 1.002) break;
+        }
+        if (best) return *std::move(best);
+        return search_lossless();
+    }
+
+    /// Coordinates are corrected to the bit: finer steps cost details, coarser ones corrections.
+    Result<Trial> search_lossless() {
+        source_.header.lattice = lattice_;
+        std::optional<Trial> best;
+        std::size_t least = std::numeric_limits<std::size_t>::max();
+        const auto attempt = [&](double factor) -> bool {
+            Trial t = trial(quantisation(factor * smallest_step(), norm_gain()), exact_);
+            const std::size_t size = size_of(t);
+            if (size >= least) return false;
+            least = size;
+            best = std::move(t);
+            return true;
+        };
+        double factor = 4;
+        attempt(factor);
+        for (double ratio = 4; ratio > 1.3; ratio = std::sqrt(ratio)) {
+            if (cancelled(0.3)) return cancelled_error();
+            if (attempt(factor * ratio)) {
+                factor *= ratio;
+                while (ratio > 3 && attempt(factor * ratio)) factor *= ratio;
+            } else if (attempt(factor / ratio)) {
+                factor /= ratio;
+            }
+        }
+        return *std::move(best);
+    }
+
+    Result<Trial> search_bytes() {
+        const auto goal = static_cast<std::uint64_t>(std::min(options_.goal.value, 1e18));
+        const double longest = std::max(largest_, 1e-280);
+        Trial coarsest = trial(quantisation(longest, norm_gain()), exact_);
+        const std::uint64_t least = size_of(coarsest) + kHeaderSlack;
+        if (least > goal)
+            return Error{ErrorCode::InvalidArgument,
+                         "no file is that small; the connectivity of the base, the numbers of "
+                         "vertices and faces and what else is kept exactly take about " +
+                             std::to_string(least) + " bytes",
+                         ""};
+        double good = coarsest.quantisation.step;
+        double bad = std::max(smallest_step() / 4, good * 1e-12);
+        Trial best = std::move(coarsest);
+        for (int k = 0; k < 2 * kTrials && good / bad > 1.01; ++k) {
+            if (cancelled(0.9 * k / (2 * kTrials))) return cancelled_error();
+            Trial t = trial(quantisation(std::sqrt(good * bad), norm_gain()), exact_);
+            const double used = t.quantisation.step;
+            if (size_of(t) + kHeaderSlack <= goal) {
+                best = std::move(t);
+                good = used;
+            } else {
+                bad = used;
+            }
+        }
+        return best;
+    }
+
+    /// Details that are small for their step become zero.
+    Result<Trial> keep() {
+        const double wanted =
+            options_.goal.value / 100 * count() - static_cast<double>(base_count());
+        const auto most = static_cast<std::size_t>(std::clamp(wanted, 0.0, count()));
+        MeshCoefficients some = exact_;
+        std::vector<double> weighted;
+        for (int step = 0; step < levels(); ++step) {
+            const double norm = std::pow(norm_gain(), levels() - 1 - step);
+            for (std::size_t k = hierarchy().vertices(step); k < hierarchy().vertices(step + 1);
+                 ++k)
+                weighted.push_back(norm * length(some.points[k]));
+        }
+        std::vector<double> sorted = weighted;
+        double limit = -1;
+        if (most < sorted.size()) {
+            const auto place = sorted.begin() + static_cast<std::ptrdiff_t>(most);
+            std::nth_element(sorted.begin(), place, sorted.end(), std::greater<>());
+            limit = *place;
+        }
+        double largest = 0;
+        for (std::size_t k = 0; k < weighted.size(); ++k) {
+            if (weighted[k] <= limit) some.points[base_count() + k] = {};
+            largest = std::max(largest, weighted[k]);
+        }
+        const double step = std::max(largest, largest_ * 0x1p-20) * kFine;
+        return trial(quantisation(step, 1), some);
+    }
+
+    [[nodiscard]] std::vector<Bytes> chunks_of(const Trial& t) const {
+        std::vector<Bytes> chunks(MeshChunks{levels()}.count());
+        std::vector<GridPoint> base = t.base;
+        const CodedBase coded = encode_base(source_.base, base);
+        ByteWriter out;
+        out.varint(coded.bytes.size());
+        out.bytes(coded.bytes);
+        out.bytes(write_base_order(coded, source_.base));
+        chunks[MeshChunks::kBase] = out.take();
+        MeshDetails details(hierarchy());
+        for (int step = 0; step < levels(); ++step)
+            chunks[MeshChunks::step(step)] =
+                details.encode_next(t.steps[static_cast<std::size_t>(step)]);
+        if (source_.header.lattice)
+            chunks[MeshChunks{levels()}.exact()] =
+                write_exact(t.points, source_.points, *source_.header.lattice);
+        add_extras(chunks);
+        return chunks;
+    }
+
+    /// The same for all trials.
+    void add_extras(std::vector<Bytes>& chunks) const {
+        if (extras_.empty()) {
+            extras_.resize(chunks.size());
+            const MeshChunks numbers{levels()};
+            extras_[MeshChunks::kTags] = write_tags(source_.tags);
+            extras_[numbers.order()] = write_order(source_.order, source_.sides);
+            extras_[numbers.attributes()] =
+                write_attributes(mesh_, source_.header.attributes, hierarchy(), source_.order);
+            extras_[numbers.labels()] = write_labels(mesh_, source_.order, source_.sides);
+            extras_[numbers.creases()] = write_creases(mesh_);
+        }
+        for (std::size_t k = 0; k < chunks.size(); ++k)
+            if (!extras_[k].empty()) chunks[k] = extras_[k];
+    }
+
+    [[nodiscard]] Result<Bytes> file_of(const Trial& t, const Errors& errors) const {
+        MeshHeader header = source_.header;
+        header.quantisation = t.quantisation;
+        header.max_error = errors.max;
+        header.rms_error = rms(errors);
+        ContainerWriter writer;
+        const std::vector<Bytes> chunks = chunks_of(t);
+        for (std::size_t k = 0; k < chunks.size(); ++k)
+            writer.add(chunks[k], k + 1 == chunks.size() ? rounded_up(errors.max, 4)
+                                                         : std::numeric_limits<double>::infinity());
+        return writer.finish(write_mesh_header(header));
+    }
+
+    [[nodiscard]] std::size_t size_of(const Trial& t) const {
+        const auto file = file_of(t, source_.header.lattice ? Errors() : t.errors);
+        return file.ok() ? file->size() : std::numeric_limits<std::size_t>::max();
+    }
+
+    Result<EncodedMesh> finish(const Trial& best) {
+        const bool exact = source_.header.lattice.has_value();
+        const Errors errors = exact ? Errors() : best.errors;
+        EncodedMesh encoded;
+        RELIEF_TRY(encoded.bytes, file_of(best, errors));
+        RELIEF_CHECK(verify(encoded.bytes, exact ? source_.points : best.points));
+        MeshReport& report = encoded.report;
+        report.scheme = source_.header.spec.scheme;
+        report.levels = levels();
+        report.samples = static_cast<std::int64_t>(source_.points.size());
+        report.coefficients = report.samples;
+        report.kept = static_cast<std::int64_t>(base_count());
+        for (const QuantisedStep& step : best.steps)
+            report.kept +=
+                std::count_if(step.fresh.begin(), step.fresh.end(),
+                              [](const QuantisedDetail& q) { return q != QuantisedDetail{}; });
+        report.bytes = encoded.bytes.size();
+        report.bits_per_sample = 8 * static_cast<double>(report.bytes) / count();
+        report.max_error = errors.max;
+        report.rms_error = rms(errors);
+        const double energy = coarsest_square();
+        report.energy_percent = energy > 0 ? 100 * errors.square / energy : 0;
+        report.bound = options_.goal.kind == Kind::MaxError ? options_.goal.value : errors.max;
+        report.base_vertices = static_cast<std::int64_t>(base_count());
+        report.base_faces = hierarchy().topology(0).face_count;
+        report.faces = hierarchy().topology(levels()).face_count;
+        report.lost_creases = source_.lost_creases;
+        return encoded;
+    }
+
+    /// Squared distance of the mesh from the surface of its base.
+    [[nodiscard]] double coarsest_square() const {
+        MeshCoefficients smooth = exact_;
+        std::fill(smooth.points.begin() + static_cast<std::ptrdiff_t>(base_count()),
+                  smooth.points.end(), Vec3<double>());
+        for (auto& residuals : smooth.residuals)
+            std::fill(residuals.begin(), residuals.end(), Vec3<double>());
+        source_.synthesis.maps().synthesise(0, levels(), smooth.points.data(), smooth.residuals);
+        return errors_of(smooth.points).square;
+    }
+
+    /// What was written is decoded and compared: the error is of the file, not of an intention.
+    [[nodiscard]] Status verify(const Bytes& bytes, const MeshPoints& expected) const {
+        const Error differs{ErrorCode::BadInput,
+                            "the decoded file differs from what was encoded; nothing was written. "
+                            "Please report this mesh",
+                            "verification"};
+        RELIEF_TRY(const MeshFile file, MeshFile::open(bytes));
+        RELIEF_TRY(const PolygonMesh decoded, file.decode(0));
+        if (decoded.corners != mesh_.corners || decoded.attributes != mesh_.attributes ||
+            decoded.labels != mesh_.labels || decoded.creases != mesh_.creases ||
+            decoded.sharp_vertices != mesh_.sharp_vertices)
+            return differs;
+        for (std::size_t v = 0; v < expected.size(); ++v) {
+            const auto& p = decoded.vertices[source_.order.vertices[v]];
+            if (ordinal_of(p[0]) != ordinal_of(expected[v].x) ||
+                ordinal_of(p[1]) != ordinal_of(expected[v].y) ||
+                ordinal_of(p[2]) != ordinal_of(expected[v].z))
+                return differs;
+        }
+        return {};
+    }
+
+    const PolygonMesh& mesh_;
+    const MeshEncodeOptions& options_;
+    MeshSource source_;
+    MeshCoefficients exact_;
+    ValueLattice lattice_;
+    double largest_ = 0;
+    std::array<double, 3> origin_{};
+    mutable std::vector<Bytes> extras_;
+    double done_ = 0;
+};
+
+Status check_goal(const Goal& goal) {
+    const bool number = goal.value >= 0 && std::isfinite(goal.value);
+    if (goal.kind != Kind::Lossless && !number)
+        return Error{ErrorCode::InvalidArgument,
+                     "the goal " + std::string(goal_name(goal.kind)) +
+                         " must be a number that is not negative",
+                     ""};
+    if (goal.kind == Kind::Bytes && goal.value < 1)
+        return Error{ErrorCode::InvalidArgument, "a file has at least one byte", ""};
+    return {};
+}
+
+}  // namespace
+
+Result<EncodedMesh> encode_mesh(const PolygonMesh& mesh, const MeshEncodeOptions& options) {
+    RELIEF_CHECK(check_goal(options.goal));
+    RELIEF_TRY(MeshSource source, prepare_mesh(mesh, options));
+    if (options.keep_order) return Encoder(mesh, options, std::move(source)).run();
+    const PolygonMesh ordered = reordered(mesh, source.order, source.sides);
+    for (Index v = 0; v < source.order.vertices.size(); ++v) source.order.vertices[v] = v;
+    for (Index f = 0; f < source.order.corners.size(); ++f)
+        source.order.corners[f] = source.sides * f;
+    return Encoder(ordered, options, std::move(source)).run();
+}
+
+}  // namespace relief::codec

@@ -1,0 +1,406 @@
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "codec/bytes.h"
+#include "codec/mesh_extras.h"
+#include "codec/mesh_synthesis.h"
+#include "codec/quad_chunks.h"
+#include "relief/codec/container.h"
+
+namespace relief::codec {
+
+namespace {
+
+using mesh::Index;
+
+constexpr double kLargestMove = 1e150;
+
+Error bad_file(std::string what, std::string where) {
+    return {ErrorCode::BadFile, std::move(what), std::move(where)};
+}
+
+/// What is wrong with data that came from a file is wrong with the file.
+template <class T>
+Result<T> of_file(Result<T> result, const char* where) {
+    if (result.ok()) return result;
+    return bad_file(result.error().text() + "; the file is damaged", where);
+}
+
+Bytes write_moves(const std::vector<MeshMove>& moves) {
+    ByteWriter out;
+    for (const MeshMove& move : moves) {
+        out.u32(static_cast<std::uint32_t>(move.level));
+        out.u64(move.vertex);
+        for (const double d : move.delta) out.f64(d);
+    }
+    return out.take();
+}
+
+Result<std::vector<MeshMove>> read_moves(std::span<const std::uint8_t> bytes) {
+    std::vector<MeshMove> moves;
+    ByteReader in(bytes);
+    while (!in.failed() && !in.rest().empty()) {
+        MeshMove move;
+        move.level = static_cast<int>(std::min<std::uint32_t>(in.u32(), 1000));
+        move.vertex = in.u64();
+        for (double& d : move.delta) d = in.f64();
+        moves.push_back(move);
+    }
+    if (in.failed()) return bad_file("the edits are cut off; the file is damaged", "edits chunk");
+    return moves;
+}
+
+}  // namespace
+
+struct MeshFile::State {
+    ContainerReader container;
+    MeshHeader header;
+    mesh::FaceList base_faces;
+    std::vector<GridPoint> base_points;
+    mesh::MeshCounts base_counts;
+    multires::MeshTags tags;
+    std::vector<MeshMove> moves;
+
+    [[nodiscard]] MeshChunks numbers() const { return {header.levels}; }
+    [[nodiscard]] int depth(int level) const { return header.levels - level; }
+    [[nodiscard]] mesh::MeshCounts counts(int depth) const {
+        mesh::MeshCounts counts = base_counts;
+        for (int step = 0; step < depth; ++step)
+            counts = mesh::refined(counts, header.spec.split(step));
+        return counts;
+    }
+
+    [[nodiscard]] Status read_base();
+    [[nodiscard]] Status check_size() const;
+    [[nodiscard]] Status check_level(int level) const;
+    [[nodiscard]] Status check_moves(const std::vector<MeshMove>& some) const;
+    [[nodiscard]] Result<MeshPoints> points(const MeshSynthesis& synthesis, int depth,
+                                            const MeshOrder& order) const;
+    void apply_moves(int depth, const MeshOrder& order, MeshPoints& points) const;
+    [[nodiscard]] Result<PolygonMesh> finest(const MeshSynthesis& synthesis) const;
+    [[nodiscard]] Result<PolygonMesh> coarser(const MeshSynthesis& synthesis, int depth) const;
+};
+
+Status MeshFile::State::read_base() {
+    RELIEF_TRY(const Bytes chunk, container.chunk(MeshChunks::kBase));
+    ByteReader in(chunk);
+    const auto connectivity = in.take(in.varint());
+    if (in.failed()) return bad_file("it is cut off; the file is damaged", "base chunk");
+    RELIEF_TRY(BaseMesh coded,
+               decode_base(connectivity, header.sides, header.base_vertices, header.base_faces));
+    RELIEF_TRY(BaseMesh base, in_own_order(in.rest(), std::move(coded)));
+    RELIEF_TRY(
+        const mesh::Topology built,
+        of_file(mesh::build(base.faces, static_cast<Index>(base.points.size())), "base chunk"));
+    if (built.sides != header.sides && header.sides != 0)
+        return bad_file("its faces are not those of the header; the file is damaged", "base chunk");
+    base_counts = mesh::counts_of(built);
+    base_faces = std::move(base.faces);
+    base_points = std::move(base.points);
+    RELIEF_TRY(const Bytes marks, container.chunk(MeshChunks::kTags));
+    RELIEF_TRY(tags, read_tags(marks, built));
+    return {};
+}
+
+Status MeshFile::State::check_size() const {
+    for (int d = 0; d <= header.levels; ++d) {
+        const mesh::MeshCounts here = counts(d);
+        if (!mesh::check_size(here).ok() || !is_plausible(here.vertices, container.complete_size()))
+            return bad_file("claims levels of " + std::to_string(here.vertices) +
+                                " vertices, for which the file is too small",
+                            "header");
+    }
+    return {};
+}
+
+Status MeshFile::State::check_level(int level) const {
+    if (level >= 0 && level <= header.levels) return {};
+    return Error{ErrorCode::InvalidArgument,
+                 "there is no level " + std::to_string(level) + "; the file has levels 0 to " +
+                     std::to_string(header.levels),
+                 ""};
+}
+
+Status MeshFile::State::check_moves(const std::vector<MeshMove>& some) const {
+    for (const MeshMove& move : some) {
+        RELIEF_CHECK(check_level(move.level));
+        const std::uint64_t vertices = counts(depth(move.level)).vertices;
+        if (move.vertex >= vertices)
+            return Error{ErrorCode::InvalidArgument,
+                         "vertex " + std::to_string(move.vertex) + " does not exist at level " +
+                             std::to_string(move.level) + "; it has vertices 0 to " +
+                             std::to_string(vertices - 1),
+                         ""};
+        for (const double d : move.delta)
+            if (!(std::abs(d) <= kLargestMove))
+                return Error{ErrorCode::InvalidArgument,
+                             "a move must be three numbers of at most 1e150", ""};
+    }
+    return {};
+}
+
+void MeshFile::State::apply_moves(int at, const MeshOrder& order, MeshPoints& points) const {
+    std::vector<Index> of_number;
+    if (at == header.levels && !order.vertices.empty()) {
+        of_number.resize(order.vertices.size());
+        for (Index v = 0; v < of_number.size(); ++v) of_number[order.vertices[v]] = v;
+    }
+    for (const MeshMove& move : moves) {
+        if (depth(move.level) != at) continue;
+        const std::size_t v = of_number.empty() ? move.vertex : of_number[move.vertex];
+        points[v] += {move.delta[0], move.delta[1], move.delta[2]};
+    }
+}
+
+/// order: of the finest level, whose moves count its numbers.
+Result<MeshPoints> MeshFile::State::points(const MeshSynthesis& synthesis, int depth_wanted,
+                                           const MeshOrder& order) const {
+    MeshPoints points;
+    for (const GridPoint& p : base_points)
+        points.push_back(base_point(header.quantisation, header.levels, p));
+    MeshPoints moved;
+    if (!moves.empty()) {
+        moved = points;
+        apply_moves(0, order, moved);
+    }
+    MeshDetails details(synthesis.hierarchy());
+    for (int step = 0; step < depth_wanted; ++step) {
+        RELIEF_TRY(const Bytes chunk, container.chunk(MeshChunks::step(step)));
+        RELIEF_TRY(const QuantisedStep coded, details.decode_next(chunk));
+        const MeshQuantisation& q = header.quantisation;
+        if (moves.empty()) {
+            synthesis.refine(q, header.levels, step, coded, points);
+            continue;
+        }
+        synthesis.refine_moved(q, header.levels, step, coded, points, moved);
+        apply_moves(step + 1, order, moved);
+    }
+    if (header.lattice && depth_wanted == header.levels) {
+        RELIEF_TRY(const Bytes chunk, container.chunk(numbers().exact()));
+        MeshPoints exact = points;
+        RELIEF_CHECK(read_exact(chunk, *header.lattice, exact));
+        if (moves.empty()) return exact;
+        for (std::size_t v = 0; v < exact.size(); ++v) moved[v] += exact[v] - points[v];
+    }
+    return moves.empty() ? points : moved;
+}
+
+namespace {
+
+void add_faces(const mesh::FaceList& faces, PolygonMesh& mesh) {
+    mesh.offsets = faces.offsets;
+    mesh.corners.assign(faces.corners.begin(), faces.corners.end());
+}
+
+Status set_points(const MeshPoints& points, const std::vector<Index>& numbers, PolygonMesh& mesh) {
+    mesh.vertices.resize(points.size());
+    for (std::size_t v = 0; v < points.size(); ++v) {
+        const Vec3<double>& p = points[v];
+        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+            return bad_file("a vertex is not a point; the file is damaged or was moved too far",
+                            "vertex " + std::to_string(v));
+        mesh.vertices[numbers.empty() ? v : numbers[v]] = {p.x, p.y, p.z};
+    }
+    return {};
+}
+
+}  // namespace
+
+Result<PolygonMesh> MeshFile::State::finest(const MeshSynthesis& synthesis) const {
+    const mesh::Topology& mesh = synthesis.hierarchy().topology(header.levels);
+    RELIEF_TRY(const Bytes order_chunk, container.chunk(numbers().order()));
+    MeshOrder order;
+    if (header.levels > 0) {
+        RELIEF_TRY(order, read_order(order_chunk, mesh));
+    }
+    RELIEF_TRY(const MeshPoints places, points(synthesis, header.levels, order));
+    PolygonMesh result;
+    result.libraries = header.libraries;
+    RELIEF_CHECK(set_points(places, order.vertices, result));
+    const auto sides = static_cast<Index>(mesh.sides);
+    result.corners.resize(mesh.half_edge_count());
+    for (Index f = 0; f < mesh.face_count; ++f)
+        for (Index k = 0; k < sides; ++k) {
+            const Index first = order.corners[f];
+            const Index corner = first / sides * sides + (first % sides + k) % sides;
+            result.corners[corner] =
+                static_cast<std::int32_t>(order.vertices[mesh.origin[sides * f + k]]);
+        }
+    for (Index f = 1; f <= mesh.face_count; ++f) result.offsets.push_back(std::int64_t{sides} * f);
+    RELIEF_TRY(const Bytes attributes, container.chunk(numbers().attributes()));
+    RELIEF_TRY(result.attributes,
+               read_attributes(attributes, header.attributes, synthesis.hierarchy(), order));
+    result.labels = header.labels;
+    RELIEF_TRY(const Bytes labels, container.chunk(numbers().labels()));
+    RELIEF_CHECK(read_labels(labels, order, sides, result.labels));
+    RELIEF_TRY(const Bytes creases, container.chunk(numbers().creases()));
+    RELIEF_CHECK(read_creases(creases, result));
+    if (const Status checked = relief::check(result); !checked.ok())
+        return bad_file(checked.error().text() + "; the file is damaged", "mesh");
+    return result;
+}
+
+/// In the numbers of the hierarchy; sharp edges are those of the transform.
+Result<PolygonMesh> MeshFile::State::coarser(const MeshSynthesis& synthesis, int at) const {
+    RELIEF_TRY(const MeshPoints places, points(synthesis, at, {}));
+    PolygonMesh result;
+    result.libraries = header.libraries;
+    RELIEF_CHECK(set_points(places, {}, result));
+    const mesh::Topology& mesh = synthesis.hierarchy().topology(at);
+    add_faces(mesh::faces_of(mesh), result);
+    const multires::MeshTags& marks = synthesis.hierarchy().tags(at);
+    for (Index h = 0; !marks.sharp.empty() && h < mesh.half_edge_count(); ++h)
+        if (mesh.is_first(h) && !mesh.on_boundary(h) && marks.sharp[mesh.edge[h]])
+            result.creases.push_back({static_cast<std::int32_t>(mesh.origin[h]),
+                                      static_cast<std::int32_t>(mesh.target(h)), HUGE_VAL});
+    for (std::size_t v = 0; v < marks.corner.size(); ++v)
+        if (marks.corner[v])
+            result.sharp_vertices.push_back({static_cast<std::int32_t>(v), HUGE_VAL});
+    return result;
+}
+
+MeshFile::MeshFile(std::unique_ptr<State> state) : state_(std::move(state)) {}
+MeshFile::MeshFile(MeshFile&&) noexcept = default;
+MeshFile& MeshFile::operator=(MeshFile&&) noexcept = default;
+MeshFile::~MeshFile() = default;
+
+Result<MeshFile> MeshFile::open(Bytes bytes) {
+    return open(std::make_shared<MemorySource>(std::move(bytes)));
+}
+
+Result<MeshFile> MeshFile::open(std::shared_ptr<const ByteSource> source, std::uint64_t visible) {
+    auto state = std::make_unique<State>();
+    RELIEF_TRY(state->container, ContainerReader::open(std::move(source), visible));
+    RELIEF_TRY(state->header, read_mesh_header(state->container.header()));
+    const ContainerReader& container = state->container;
+    if (container.chunks().size() != state->numbers().count())
+        return bad_file("the header calls for " + std::to_string(state->numbers().count()) +
+                            " chunks, the file has " + std::to_string(container.chunks().size()),
+                        "directory");
+    if (!is_plausible(state->header.base_vertices, container.complete_size()) ||
+        !is_plausible(state->header.base_faces, container.complete_size()))
+        return bad_file("claims a base for which the file is too small", "header");
+    if (!container.complete(MeshChunks::kTags))
+        return bad_file("not even the coarsest level is there; read more bytes",
+                        "byte " + std::to_string(container.visible_size()));
+    RELIEF_CHECK(state->read_base());
+    RELIEF_CHECK(state->check_size());
+    RELIEF_TRY(const Bytes edits, container.chunk(MeshChunks::kEdits));
+    RELIEF_TRY(state->moves, read_moves(edits));
+    if (!state->check_moves(state->moves).ok())
+        return bad_file("the edits are damaged", "edits chunk");
+    return MeshFile(std::move(state));
+}
+
+const multires::MeshSpec& MeshFile::spec() const {
+    return state_->header.spec;
+}
+int MeshFile::levels() const {
+    return state_->header.levels;
+}
+Goal MeshFile::goal() const {
+    return state_->header.goal;
+}
+bool MeshFile::lossless() const {
+    return state_->header.lattice.has_value();
+}
+double MeshFile::step() const {
+    return state_->header.quantisation.step;
+}
+mesh::MeshCounts MeshFile::counts(int level) const {
+    return state_->counts(state_->depth(level));
+}
+double MeshFile::max_error() const {
+    return state_->header.max_error;
+}
+double MeshFile::rms_error() const {
+    return state_->header.rms_error;
+}
+int MeshFile::version() const {
+    return kContainerVersion;
+}
+std::uint64_t MeshFile::size() const {
+    return state_->container.complete_size();
+}
+bool MeshFile::checksums_ok() const {
+    return state_->container.complete_chunks() == state_->container.chunks().size() &&
+           state_->container.checksums_ok();
+}
+const std::vector<MeshMove>& MeshFile::moves() const {
+    return state_->moves;
+}
+Status MeshFile::check(const std::vector<MeshMove>& more) const {
+    return state_->check_moves(more);
+}
+
+int MeshFile::finest_level() const {
+    const ContainerReader& container = state_->container;
+    if (container.complete(state_->numbers().creases())) return 0;
+    int level = levels();
+    while (level > 1 && container.complete(MeshChunks::step(state_->depth(level)))) --level;
+    return level;
+}
+
+std::uint64_t MeshFile::bytes_for(int level) const {
+    std::size_t last = state_->numbers().creases();
+    if (level > 0)
+        last = level == levels() ? MeshChunks::kTags : MeshChunks::step(state_->depth(level) - 1);
+    const ChunkInfo& chunk = state_->container.chunks()[last];
+    return chunk.offset + chunk.length;
+}
+
+std::vector<ChunkSummary> MeshFile::chunks() const {
+    const auto& directory = state_->container.chunks();
+    std::vector<ChunkSummary> list;
+    const auto add = [&](const char* kind, int level, std::size_t k) {
+        if (directory[k].length == 0) return;
+        list.push_back({kind, level, 1, directory[k].length, directory[k].bound});
+    };
+    const MeshChunks numbers = state_->numbers();
+    add("edits", 0, MeshChunks::kEdits);
+    add("base", levels(), MeshChunks::kBase);
+    add("tags", levels(), MeshChunks::kTags);
+    for (int step = 0; step < levels(); ++step)
+        add("details", levels() - 1 - step, MeshChunks::step(step));
+    add("order", 0, numbers.order());
+    add("exact", 0, numbers.exact());
+    add("attributes", 0, numbers.attributes());
+    add("labels", 0, numbers.labels());
+    add("creases", 0, numbers.creases());
+    return list;
+}
+
+std::optional<double> MeshFile::bound(int level) const {
+    if (level != 0 || edited()) return {};
+    return goal().kind == Goal::Kind::MaxError ? goal().value : max_error();
+}
+
+Result<PolygonMesh> MeshFile::decode(int level) const {
+    RELIEF_CHECK(state_->check_level(level));
+    const int depth = state_->depth(level);
+    RELIEF_TRY(mesh::Topology base,
+               mesh::build(state_->base_faces, static_cast<Index>(state_->base_points.size())));
+    RELIEF_TRY(const MeshSynthesis synthesis,
+               of_file(MeshSynthesis::create(std::move(base), state_->tags, state_->header, depth),
+                       "base chunk"));
+    return level == 0 ? state_->finest(synthesis) : state_->coarser(synthesis, depth);
+}
+
+Result<Bytes> add_mesh_moves(Bytes file, const std::vector<MeshMove>& moves) {
+    const auto source = std::make_shared<MemorySource>(std::move(file));
+    RELIEF_TRY(const MeshFile opened, MeshFile::open(source));
+    RELIEF_CHECK(opened.check(moves));
+    std::vector<MeshMove> all = opened.moves();
+    all.insert(all.end(), moves.begin(), moves.end());
+    RELIEF_TRY(const ContainerReader reader, ContainerReader::open(source));
+    ContainerWriter writer;
+    writer.add(write_moves(all));
+    for (std::size_t k = 1; k < reader.chunks().size(); ++k) {
+        RELIEF_TRY(const Bytes chunk, reader.chunk(k));
+        writer.add(chunk, reader.chunks()[k].bound);
+    }
+    return writer.finish(reader.header());
+}
+
+}  // namespace relief::codec

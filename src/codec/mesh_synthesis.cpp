@@ -1,0 +1,119 @@
+#include "codec/mesh_synthesis.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace relief::codec {
+
+namespace {
+
+using multires::DetailFrames;
+using multires::MeshFrame;
+
+/// Below this part of a step, details become zero; others are so much smaller than their integer.
+constexpr double kRounding = 0.42;
+constexpr double kShrink = 0.024;
+
+std::int64_t quotient(double x, double step) {
+    const double size = std::min(std::floor(std::abs(x) / step + kRounding), kLargestQuotient);
+    return static_cast<std::int64_t>(x < 0 ? -size : size);
+}
+
+double value(std::int64_t q, double step) {
+    if (q == 0) return 0;
+    const double size = static_cast<double>(q);
+    return step * (q > 0 ? size - kShrink : size + kShrink);
+}
+
+/// Details of a step in the frames of the surface below.
+struct Local {
+    MeshPoints fresh;
+    MeshPoints stiff;
+};
+Local local_details(const MeshQuantisation& q, int steps, int step, const QuantisedStep& details) {
+    const double size = q.step_of(step, steps);
+    Local local;
+    for (const QuantisedDetail& detail : details.fresh)
+        local.fresh.push_back(reconstructed(detail, size, q.tangential));
+    for (const QuantisedDetail& detail : details.stiff)
+        local.stiff.push_back(reconstructed(detail, size, q.tangential));
+    return local;
+}
+
+/// As large as the surface around it has grown.
+void turn_and_grow(const std::vector<MeshFrame>& before, const std::vector<MeshFrame>& after,
+                   MeshPoints& local) {
+    for (std::size_t k = 0; k < local.size(); ++k) {
+        const bool known = before[k].size > 0 && after[k].size > 0;
+        const double growth = known ? after[k].size / before[k].size : 1;
+        local[k] = growth * after[k].out(local[k]);
+    }
+}
+
+}  // namespace
+
+Vec3<double> base_point(const MeshQuantisation& q, int steps, const GridPoint& p) {
+    const double step = q.base_step(steps);
+    return {q.origin[0] + step * static_cast<double>(p[0]),
+            q.origin[1] + step * static_cast<double>(p[1]),
+            q.origin[2] + step * static_cast<double>(p[2])};
+}
+
+GridPoint base_grid_point(const MeshQuantisation& q, int steps, const Vec3<double>& p) {
+    const double step = q.base_step(steps);
+    const auto nearest = [&](double x, double origin) {
+        const double place = std::nearbyint((x - origin) / step);
+        return static_cast<std::int64_t>(std::clamp(place, -kLargestQuotient, kLargestQuotient));
+    };
+    return {nearest(p.x, q.origin[0]), nearest(p.y, q.origin[1]), nearest(p.z, q.origin[2])};
+}
+
+QuantisedDetail quantised(const Vec3<double>& local, double step, double tangential) {
+    return {quotient(local.x, tangential * step), quotient(local.y, tangential * step),
+            quotient(local.z, step)};
+}
+
+Vec3<double> reconstructed(const QuantisedDetail& q, double step, double tangential) {
+    return {value(q[0], tangential * step), value(q[1], tangential * step), value(q[2], step)};
+}
+
+Result<MeshSynthesis> MeshSynthesis::create(mesh::Topology base, multires::MeshTags tags,
+                                            const MeshHeader& header, int steps) {
+    MeshSynthesis synthesis;
+    if (header.boundary_corners) multires::tag_boundary_corners(base, tags);
+    RELIEF_TRY(auto hierarchy, multires::MeshHierarchy::create(std::move(base), std::move(tags),
+                                                               header.spec, steps));
+    synthesis.hierarchy_ = std::make_unique<multires::MeshHierarchy>(std::move(hierarchy));
+    // Sweeps are counted from the file's finest step, whichever is the last one here.
+    multires::MeshTransform transform{.lift = header.lift};
+    if (header.lift == multires::LiftKind::Chebyshev)
+        for (int step = 0; step < steps; ++step)
+            transform.lifts.push_back(
+                multires::default_lift(header.spec.scheme, header.levels - 1 - step));
+    RELIEF_TRY(auto maps, multires::MeshMaps::create(*synthesis.hierarchy_, transform));
+    synthesis.maps_ = std::make_unique<multires::MeshMaps>(std::move(maps));
+    return synthesis;
+}
+
+void MeshSynthesis::refine(const MeshQuantisation& q, int steps, int step,
+                           const QuantisedStep& details, MeshPoints& points) const {
+    Local local = local_details(q, steps, step, details);
+    DetailFrames(*hierarchy_, step, points.data()).out(local.fresh.data(), local.stiff);
+    points.insert(points.end(), local.fresh.begin(), local.fresh.end());
+    maps_->synthesise_global(step, points.data(), local.stiff);
+}
+
+void MeshSynthesis::refine_moved(const MeshQuantisation& q, int steps, int step,
+                                 const QuantisedStep& details, MeshPoints& points,
+                                 MeshPoints& moved) const {
+    Local local = local_details(q, steps, step, details);
+    const DetailFrames before(*hierarchy_, step, points.data());
+    const DetailFrames after(*hierarchy_, step, moved.data());
+    turn_and_grow(before.fresh(), after.fresh(), local.fresh);
+    turn_and_grow(before.stiff(), after.stiff(), local.stiff);
+    moved.insert(moved.end(), local.fresh.begin(), local.fresh.end());
+    maps_->synthesise_global(step, moved.data(), local.stiff);
+    refine(q, steps, step, details, points);
+}
+
+}  // namespace relief::codec

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "codec/mesh_base.h"
+#include "codec/mesh_details.h"
+#include "codec/mesh_header.h"
+
+/// From quantised coefficients to points: what encoder and decoder of meshes share.
+namespace relief::codec {
+
+using MeshPoints = std::vector<Vec3<double>>;
+
+/// The places of a base's grid points.
+[[nodiscard]] Vec3<double> base_point(const MeshQuantisation& q, int steps, const GridPoint& p);
+[[nodiscard]] GridPoint base_grid_point(const MeshQuantisation& q, int steps,
+                                        const Vec3<double>& p);
+
+/// Rounds details so that more become zero, and back to where their mean is. axis: 2 is the normal.
+[[nodiscard]] QuantisedDetail quantised(const Vec3<double>& local, double step, double tangential);
+[[nodiscard]] Vec3<double> reconstructed(const QuantisedDetail& q, double step, double tangential);
+
+/// Whether a detail has places on the grid that integers can count.
+inline constexpr double kLargestQuotient = 0x1p50;
+
+/// A hierarchy with its maps.
+class MeshSynthesis {
+  public:
+    /// Errors: those of MeshHierarchy and MeshMaps. steps: how many of the file's.
+    [[nodiscard]] static Result<MeshSynthesis> create(mesh::Topology base, multires::MeshTags tags,
+                                                      const MeshHeader& header, int steps);
+
+    [[nodiscard]] const multires::MeshHierarchy& hierarchy() const { return *hierarchy_; }
+    [[nodiscard]] const multires::MeshMaps& maps() const { return *maps_; }
+
+    /// points: those of depth `step`, which becomes depth step + 1. Complexity: O(n) a sweep.
+    void refine(const MeshQuantisation& q, int steps, int step, const QuantisedStep& details,
+                MeshPoints& points) const;
+    /// The same for a mesh that was moved: its details turn and grow as the surface does. points
+    /// and moved are of depth `step` and become depth step + 1.
+    void refine_moved(const MeshQuantisation& q, int steps, int step, const QuantisedStep& details,
+                      MeshPoints& points, MeshPoints& moved) const;
+
+  private:
+    // On the heap: maps refer to the hierarchy.
+    std::unique_ptr<multires::MeshHierarchy> hierarchy_;
+    std::unique_ptr<multires::MeshMaps> maps_;
+};
+
+}  // namespace relief::codec

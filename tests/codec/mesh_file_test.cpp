@@ -1,0 +1,380 @@
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "relief/codec/mesh_codec.h"
+#include "relief/multires/subdivide.h"
+#include "shapes.h"
+#include "support.h"
+
+/// Meshes to files and back.
+namespace relief::codec {
+namespace {
+
+using Kind = Goal::Kind;
+using mesh::Index;
+using multires::MeshScheme;
+using test::Shape;
+
+PolygonMesh polygons(const mesh::FaceList& faces, const std::vector<Vec3<double>>& points) {
+    PolygonMesh mesh;
+    for (const auto& p : points) mesh.vertices.push_back({p.x, p.y, p.z});
+    mesh.offsets = faces.offsets;
+    mesh.corners.assign(faces.corners.begin(), faces.corners.end());
+    return mesh;
+}
+
+/// A subdivided mesh with bumps; noise 0: a pure subdivision surface.
+PolygonMesh subdivided(const Shape& base, MeshScheme scheme, int steps, double noise) {
+    multires::SubdividedMesh<double> mesh{base.topology(), {{}}, {}};
+    for (const auto& p : base.points) mesh.arrays[0].push_back({p[0], p[1], p[2]});
+    mesh = *multires::subdivide(std::move(mesh), {.scheme = scheme}, steps);
+    test::Noise random(5);
+    for (auto& p : mesh.arrays[0]) p += noise * Vec3<double>{random(), random(), random()};
+    return polygons(mesh::faces_of(mesh.mesh), mesh.arrays[0]);
+}
+
+PolygonMesh shuffled(const PolygonMesh& mesh, unsigned seed) {
+    Shape shape;
+    for (const auto& v : mesh.vertices) shape.points.push_back(v);
+    for (std::int64_t f = 0; f < mesh.polygon_count(); ++f)
+        shape.faces.add(std::vector<Index>(mesh.polygon(f).begin(), mesh.polygon(f).end()));
+    const Shape mixed = test::shuffled(shape, seed);
+    PolygonMesh result;
+    result.vertices = mixed.points;
+    result.offsets = mixed.faces.offsets;
+    result.corners.assign(mixed.faces.corners.begin(), mixed.faces.corners.end());
+    return result;
+}
+
+struct Distances {
+    double max = 0;
+    double rms = 0;
+};
+Distances distances(const PolygonMesh& a, const PolygonMesh& b) {
+    Distances result;
+    EXPECT_EQ(a.vertices.size(), b.vertices.size());
+    for (std::size_t v = 0; v < a.vertices.size(); ++v) {
+        double square = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            square += std::pow(a.vertices[v][k] - b.vertices[v][k], 2);
+        result.max = std::max(result.max, std::sqrt(square));
+        result.rms += square;
+    }
+    result.rms = std::sqrt(result.rms / static_cast<double>(a.vertices.size()));
+    return result;
+}
+
+struct Case {
+    std::string name;
+    PolygonMesh mesh;
+    MeshScheme scheme;
+};
+
+std::vector<Case> cases(double noise) {
+    const Shape holed = test::without_faces(test::grid(5, 5, true, true), {7, 8, 30});
+    return {
+        {"loop", subdivided(test::flipped(test::icosahedron(), 40, 3), MeshScheme::Loop, 3, noise),
+         MeshScheme::Loop},
+        {"loop open",
+         subdivided(test::flipped(test::grid(4, 3, true), 20, 2), MeshScheme::Loop, 2, noise),
+         MeshScheme::Loop},
+        {"sqrt3",
+         subdivided(test::flipped(test::icosahedron(), 40, 3), MeshScheme::Sqrt3, 4, noise),
+         MeshScheme::Sqrt3},
+        {"sqrt3 holes", subdivided(holed, MeshScheme::Sqrt3, 3, noise), MeshScheme::Sqrt3},
+        {"quads", subdivided(test::double_torus(), MeshScheme::CatmullClark, 3, noise),
+         MeshScheme::CatmullClark},
+        {"polygons",
+         subdivided(test::both(test::tetrahedron(), test::grid(2, 2, false)),
+                    MeshScheme::CatmullClark, 2, noise),
+         MeshScheme::CatmullClark},
+        {"cube", subdivided(test::cube(), MeshScheme::CatmullClark, 2, noise),
+         MeshScheme::CatmullClark}};
+}
+
+TEST(MeshFile, MaxErrorHoldsAtEveryVertex) {
+    for (const Case& c : cases(0.01)) {
+        for (const bool mixed : {false, true}) {
+            const PolygonMesh mesh = mixed ? shuffled(c.mesh, 3) : c.mesh;
+            for (const double bound : {0.05, 1e-3, 1e-6}) {
+                const auto encoded = encode_mesh(mesh, {.goal = {Kind::MaxError, bound}});
+                ASSERT_TRUE(encoded.ok()) << c.name << " " << encoded.error().text();
+                EXPECT_EQ(encoded->report.scheme, c.scheme);
+                const MeshFile file = *MeshFile::open(encoded->bytes);
+                const auto decoded = file.decode(0);
+                ASSERT_TRUE(decoded.ok()) << c.name << decoded.error().text();
+                EXPECT_EQ(decoded->corners, mesh.corners) << c.name;
+                const Distances off = distances(mesh, *decoded);
+                EXPECT_LE(off.max, bound) << c.name;
+                EXPECT_NEAR(off.max, encoded->report.max_error, 1e-15);
+                EXPECT_NEAR(off.rms, encoded->report.rms_error, 1e-12 * off.rms);
+                EXPECT_GT(off.max, 0.5 * std::min(bound, 0.01)) << c.name;
+                EXPECT_GE(file.max_error(), off.max);
+            }
+        }
+    }
+}
+
+TEST(MeshFile, LosslessIsExactToTheBit) {
+    for (Case& c : cases(0.01)) {
+        for (const int kind : {0, 1, 2}) {
+            for (auto& v : c.mesh.vertices)
+                for (double& x : v)
+                    if (kind == 1)
+                        x = static_cast<float>(x);
+                    else if (kind == 2)
+                        x = std::nearbyint(x * 1000) / 1000;
+            const auto encoded = encode_mesh(c.mesh, {});
+            ASSERT_TRUE(encoded.ok()) << encoded.error().text();
+            const PolygonMesh decoded = *MeshFile::open(encoded->bytes)->decode(0);
+            ASSERT_EQ(decoded.vertices.size(), c.mesh.vertices.size());
+            EXPECT_EQ(0, std::memcmp(decoded.vertices.data(), c.mesh.vertices.data(),
+                                     24 * decoded.vertices.size()))
+                << c.name << kind;
+            EXPECT_EQ(encoded->report.max_error, 0);
+        }
+    }
+}
+
+TEST(MeshFile, RmsAndByteGoals) {
+    for (const Case& c : cases(0.02)) {
+        const auto encoded = encode_mesh(c.mesh, {.goal = {Kind::RmsError, 2e-3}});
+        ASSERT_TRUE(encoded.ok()) << encoded.error().text();
+        const Distances off = distances(c.mesh, *MeshFile::open(encoded->bytes)->decode(0));
+        EXPECT_LE(off.rms, 2e-3) << c.name;
+        EXPECT_GE(off.rms, 0.9 * 2e-3) << c.name;
+        const double bytes = 0.8 * static_cast<double>(encoded->bytes.size());
+        const auto smaller = encode_mesh(c.mesh, {.goal = {Kind::Bytes, bytes}});
+        ASSERT_TRUE(smaller.ok()) << c.name << smaller.error().text();
+        EXPECT_LE(static_cast<double>(smaller->bytes.size()), bytes);
+        EXPECT_GE(static_cast<double>(smaller->bytes.size()), 0.85 * bytes) << c.name;
+        const auto half = encode_mesh(c.mesh, {.goal = {Kind::Keep, 50}});
+        ASSERT_TRUE(half.ok());
+        EXPECT_LE(half->report.kept, static_cast<std::int64_t>(c.mesh.vertices.size() / 2 + 1));
+        EXPECT_GE(half->report.kept, static_cast<std::int64_t>(0.48 * c.mesh.vertices.size()));
+    }
+    const auto none = encode_mesh(cases(0)[0].mesh, {.goal = {Kind::Bytes, 60}});
+    ASSERT_FALSE(none.ok());
+    EXPECT_NE(none.error().text().find("no file is that small"), std::string::npos);
+}
+
+/// A pure subdivision surface takes hardly more than its base.
+TEST(MeshFile, PureSurfacesAreSmall) {
+    const PolygonMesh mesh =
+        subdivided(test::flipped(test::icosahedron(), 40, 3), MeshScheme::Loop, 6, 0);
+    const auto encoded = encode_mesh(mesh, {.goal = {Kind::MaxError, 1e-4}});
+    ASSERT_TRUE(encoded.ok());
+    EXPECT_EQ(encoded->report.levels, 6);
+    const MeshFile file = *MeshFile::open(encoded->bytes);
+    const std::uint64_t base = file.bytes_for(6);
+    EXPECT_LE(8.0 * static_cast<double>(encoded->bytes.size() - base),
+              0.02 * static_cast<double>(mesh.vertices.size()));
+}
+
+TEST(MeshFile, LevelsAndPrefixes) {
+    for (const Case& c : cases(0.01)) {
+        const auto encoded = *encode_mesh(c.mesh, {.goal = {Kind::MaxError, 1e-3}});
+        const MeshFile file = *MeshFile::open(encoded.bytes);
+        EXPECT_EQ(file.finest_level(), 0);
+        EXPECT_TRUE(file.checksums_ok());
+        for (int level = 0; level <= file.levels(); ++level) {
+            const auto mesh = file.decode(level);
+            ASSERT_TRUE(mesh.ok()) << c.name << mesh.error().text();
+            EXPECT_EQ(mesh->vertices.size(), file.counts(level).vertices);
+            EXPECT_EQ(static_cast<std::uint64_t>(mesh->polygon_count()), file.counts(level).faces);
+            const auto prefix = MeshFile::open(std::make_shared<MemorySource>(encoded.bytes),
+                                               file.bytes_for(level));
+            ASSERT_TRUE(prefix.ok()) << c.name << prefix.error().text();
+            EXPECT_EQ(prefix->finest_level(), level) << c.name;
+            EXPECT_EQ(*prefix->decode(level), *mesh) << c.name;
+            if (level > 0) {
+                EXPECT_FALSE(prefix->decode(level - 1).ok());
+            }
+        }
+        EXPECT_FALSE(file.decode(file.levels() + 1).ok());
+    }
+}
+
+TEST(MeshFile, AttributesLabelsAndCreasesStay) {
+    for (const unsigned seed : {0U, 4U}) {
+        PolygonMesh mesh = subdivided(test::cube(), MeshScheme::CatmullClark, 3, 0.01);
+        if (seed > 0) mesh = shuffled(mesh, seed);
+        test::Noise noise(3);
+        MeshAttribute colour{"colour", 3, SampleType::UInt8, {}, {}};
+        MeshAttribute normal{"normal", 3, SampleType::Float32, {}, {}};
+        for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+            for (int k = 0; k < 3; ++k) {
+                colour.values.push_back(std::floor(128 + 120 * mesh.vertices[v][0] / 2));
+                normal.values.push_back(static_cast<float>(noise()));
+            }
+        MeshAttribute uv{"uv", 2, SampleType::Float64, {}, {}};
+        for (std::size_t c = 0; c < mesh.corners.size(); ++c) {
+            uv.corners.push_back(c < 8 ? -1 : static_cast<std::int32_t>(c / 2));
+            if (c % 2 == 0) uv.values.insert(uv.values.end(), {noise(), 0.5});
+        }
+        mesh.attributes = {colour, normal, uv};
+        FaceLabels groups{"g", {"left", "right"}, {}};
+        for (std::int64_t f = 0; f < mesh.polygon_count(); ++f)
+            groups.of_face.push_back(static_cast<std::int32_t>(f % 3) - 1);
+        mesh.labels = {groups};
+        mesh.libraries = {"things.mtl"};
+        mesh.creases = {{mesh.corners[0], mesh.corners[1], 2.5},
+                        {mesh.corners[1], mesh.corners[2], HUGE_VAL}};
+        mesh.sharp_vertices = {{3, HUGE_VAL}};
+        for (const bool keep : {true, false}) {
+            const auto encoded =
+                encode_mesh(mesh, {.goal = {Kind::MaxError, 0.01}, .keep_order = keep});
+            ASSERT_TRUE(encoded.ok()) << encoded.error().text();
+            EXPECT_EQ(encoded->report.lost_creases, 1);
+            const PolygonMesh decoded = *MeshFile::open(encoded->bytes)->decode(0);
+            EXPECT_EQ(decoded.libraries, mesh.libraries);
+            if (!keep) {
+                EXPECT_EQ(decoded.attributes[0].values.size(), colour.values.size());
+                continue;
+            }
+            EXPECT_EQ(decoded.attributes, mesh.attributes);
+            EXPECT_EQ(decoded.labels, mesh.labels);
+            EXPECT_EQ(decoded.creases, mesh.creases);
+            EXPECT_EQ(decoded.sharp_vertices, mesh.sharp_vertices);
+        }
+    }
+}
+
+/// Without its order a shuffled mesh takes less.
+TEST(MeshFile, OrderHasItsPrice) {
+    const PolygonMesh mesh = shuffled(
+        subdivided(test::flipped(test::icosahedron(), 40, 3), MeshScheme::Loop, 3, 0.01), 9);
+    const Goal goal{Kind::MaxError, 1e-3};
+    const auto kept = *encode_mesh(mesh, {.goal = goal});
+    const auto free = *encode_mesh(mesh, {.goal = goal, .keep_order = false});
+    EXPECT_LT(free.bytes.size(), kept.bytes.size() - mesh.vertices.size());
+    const PolygonMesh decoded = *MeshFile::open(free.bytes)->decode(0);
+    EXPECT_EQ(decoded.polygon_count(), mesh.polygon_count());
+}
+
+/// Sharp creases that come from the base make details small.
+TEST(MeshFile, CreasesTakePart) {
+    multires::SubdividedMesh<double> mesh{test::cube().topology(), {{}}, {}};
+    for (const auto& p : test::cube().points) mesh.arrays[0].push_back({p[0], p[1], p[2]});
+    mesh.sharpness.edges.assign(mesh.mesh.edge_count, 0);
+    for (Index h = 0; h < 4; ++h) mesh.sharpness.edges[mesh.mesh.edge[h]] = HUGE_VAL;
+    mesh = *multires::subdivide(std::move(mesh), {.scheme = MeshScheme::CatmullClark}, 4);
+    PolygonMesh with = polygons(mesh::faces_of(mesh.mesh), mesh.arrays[0]);
+    const PolygonMesh without = with;
+    for (Index h = 0; h < mesh.mesh.half_edge_count(); ++h)
+        if (mesh.mesh.is_first(h) && mesh.sharpness.edges[mesh.mesh.edge[h]] > 0)
+            with.creases.push_back({static_cast<std::int32_t>(mesh.mesh.origin[h]),
+                                    static_cast<std::int32_t>(mesh.mesh.target(h)), HUGE_VAL});
+    const Goal goal{Kind::MaxError, 1e-4};
+    const auto sharp = *encode_mesh(with, {.goal = goal});
+    EXPECT_EQ(sharp.report.lost_creases, 0);
+    EXPECT_EQ(sharp.report.kept, 8);
+    EXPECT_GT(encode_mesh(without, {.goal = goal})->report.kept, 100);
+    EXPECT_EQ(MeshFile::open(sharp.bytes)->decode(4)->creases.size(), 4U);
+}
+
+/// Moves commute with rotations, translations and scaling; what is not moved stays.
+TEST(MeshFile, MovesTurnDetails) {
+    for (const Case& c : cases(0.01)) {
+        const auto encoded = *encode_mesh(c.mesh, {.goal = {Kind::MaxError, 1e-4}});
+        const MeshFile file = *MeshFile::open(encoded.bytes);
+        const int level = file.levels();
+        const PolygonMesh base = *file.decode(level);
+        const PolygonMesh fine = *file.decode(0);
+        const auto moved = [](const std::array<double, 3>& p) {
+            return std::array<double, 3>{2 * (-p[1]) + 1, 2 * p[0] - 3, 2 * p[2] + 0.5};
+        };
+        std::vector<MeshMove> moves;
+        for (std::size_t v = 0; v < base.vertices.size(); ++v) {
+            const auto to = moved(base.vertices[v]);
+            moves.push_back({level,
+                             v,
+                             {to[0] - base.vertices[v][0], to[1] - base.vertices[v][1],
+                              to[2] - base.vertices[v][2]}});
+        }
+        const Bytes edited = *add_mesh_moves(encoded.bytes, moves);
+        const MeshFile opened = *MeshFile::open(edited);
+        EXPECT_TRUE(opened.edited());
+        EXPECT_FALSE(opened.bound(0).has_value());
+        const PolygonMesh result = *opened.decode(0);
+        PolygonMesh expected = fine;
+        for (auto& v : expected.vertices) v = moved(v);
+        EXPECT_LT(distances(result, expected).max, 1e-10) << c.name;
+        // One vertex of the finest level.
+        const Bytes one = *add_mesh_moves(encoded.bytes, {{0, 5, {1, 2, 3}}});
+        PolygonMesh single = fine;
+        for (std::size_t k = 0; k < 3; ++k) single.vertices[5][k] += 1.0 + double(k);
+        EXPECT_LT(distances(*MeshFile::open(one)->decode(0), single).max, 1e-12) << c.name;
+        EXPECT_FALSE(add_mesh_moves(encoded.bytes, {{0, 1 << 30, {}}}).ok());
+        EXPECT_FALSE(add_mesh_moves(encoded.bytes, {{level + 1, 0, {}}}).ok());
+        EXPECT_FALSE(add_mesh_moves(encoded.bytes, {{0, 0, {NAN, 0, 0}}}).ok());
+    }
+}
+
+/// A hundred changes of level leave the bytes as they are.
+TEST(MeshFile, EncodingAgainChangesNothing) {
+    const Case c = cases(0.01)[0];
+    const auto first = *encode_mesh(c.mesh, {});
+    PolygonMesh mesh = *MeshFile::open(first.bytes)->decode(0);
+    const auto again = *encode_mesh(mesh, {});
+    EXPECT_EQ(first.bytes, again.bytes);
+}
+
+TEST(MeshFile, Refusals) {
+    PolygonMesh mesh = subdivided(test::icosahedron(), MeshScheme::Loop, 1, 0);
+    const auto error_of = [](const PolygonMesh& some, const MeshEncodeOptions& options) {
+        const auto encoded = encode_mesh(some, options);
+        return encoded.ok() ? std::string() : encoded.error().text();
+    };
+    PolygonMesh plain;
+    for (const auto& p : test::icosahedron().points) plain.vertices.push_back(p);
+    const Shape spoiled = test::flipped(test::icosahedron(), 9, 2);
+    plain.offsets = spoiled.faces.offsets;
+    plain.corners.assign(spoiled.faces.corners.begin(), spoiled.faces.corners.end());
+    EXPECT_NE(error_of(plain, {}).find("no_subdivision_connectivity"), std::string::npos);
+    EXPECT_NE(error_of(mesh, {.goal = {Kind::MaxError, -1}}).find("not negative"),
+              std::string::npos);
+    EXPECT_NE(error_of(mesh, {.scheme = MeshScheme::CatmullClark}).find("not_quads"),
+              std::string::npos);
+    mesh.vertices[3][1] = NAN;
+    EXPECT_NE(error_of(mesh, {}).find("non_finite"), std::string::npos);
+    mesh.vertices[3][1] = 0;
+    mesh.corners[4] = 9999;
+    EXPECT_NE(error_of(mesh, {}).find("index_out_of_range"), std::string::npos);
+}
+
+/// Coordinates from denormals to the largest doubles.
+TEST(MeshFile, ExtremeCoordinates) {
+    for (const double scale : {1e-310, 1e-160, 1e140, 1e300}) {
+        PolygonMesh mesh = subdivided(test::icosahedron(), MeshScheme::Loop, 2, 0.01);
+        for (auto& v : mesh.vertices)
+            for (double& x : v) x *= scale;
+        const auto encoded = encode_mesh(mesh, {});
+        if (!encoded.ok()) {
+            EXPECT_NE(encoded.error().message.size(), 0U);
+            continue;
+        }
+        EXPECT_EQ(*MeshFile::open(encoded->bytes)->decode(0), mesh) << scale;
+    }
+}
+
+TEST(MeshFile, HostileBytes) {
+    std::mt19937 random(7);
+    for (const Case& c : cases(0.01)) {
+        const Bytes bytes = encode_mesh(c.mesh, {.goal = {Kind::MaxError, 0.01}})->bytes;
+        for (int k = 0; k < 300; ++k) {
+            Bytes altered = bytes;
+            for (unsigned edits = 0; edits <= random() % 3; ++edits)
+                altered[random() % altered.size()] = static_cast<std::uint8_t>(random());
+            if (random() % 4 == 0) altered.resize(random() % altered.size());
+            const auto file = MeshFile::open(altered);
+            if (!file.ok()) continue;
+            for (int level = 0; level <= std::min(file->levels(), 4); ++level)
+                static_cast<void>(file->decode(level).ok());
+        }
+    }
+}
+
+}  // namespace
+}  // namespace relief::codec
