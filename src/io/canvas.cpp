@@ -44,7 +44,7 @@ float Canvas::least_near(int x, int y, int reach) const {
 void Canvas::line(const ScreenPoint& from, const ScreenPoint& to, double width, const Pen& pen) {
     const ScreenPoint a = in_samples(from);
     const ScreenPoint b = in_samples(to);
-    const double radius = width * kSamples / 2;
+    const double radius = width * kSamples / 2 + 0.5;  // of samples that are covered in part
     const double dx = b.x - a.x;
     const double dy = b.y - a.y;
     const double length2 = dx * dx + dy * dy;
@@ -63,13 +63,16 @@ void Canvas::line(const ScreenPoint& from, const ScreenPoint& to, double width, 
             const double py = y + 0.5 - a.y;
             const double t =
                 length2 > 0 ? std::clamp((px * dx + py * dy) / length2, 0.0, 1.0) : 0.0;
-            const double off2 = (px - t * dx) * (px - t * dx) + (py - t * dy) * (py - t * dy);
-            if (off2 > radius * radius) continue;
+            const double off =
+                std::sqrt((px - t * dx) * (px - t * dx) + (py - t * dy) * (py - t * dy));
+            const double cover = std::min(radius - off, 1.0);
+            if (cover <= 0) continue;
             const double nearness = a.nearness + t * (b.nearness - a.nearness);
             Sample& s = sample(x, y);
             const bool hidden =
                 nearness * (1 + pen.lift) <= static_cast<double>(least_near(x, y, pen.reach));
-            const auto opacity = static_cast<float>(hidden ? pen.hidden_opacity : pen.opacity);
+            const auto opacity =
+                static_cast<float>(cover * (hidden ? pen.hidden_opacity : pen.opacity));
             if (opacity <= s.opacity) continue;
             s.opacity = opacity;
             s.ink = pen.colour;

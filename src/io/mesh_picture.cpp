@@ -320,9 +320,11 @@ class Scene {
         const double key = 0.5 + 0.5 * dot(normal, key_);
         const double fill = std::max(0.0, dot(normal, fill_));
         const double light = 0.10 + 0.92 * key * key + 0.15 * fill;
-        if (std::isfinite(value))
+        if (std::isfinite(value)) {
+            const double faint = 0.5 + 0.5 * light;  // the colours are to be read
             return detail::srgb_of(
-                scaled(back ? kBackLight * light : light, detail::difference_light(value)));
+                scaled(back ? kBackLight * faint : faint, detail::difference_light(value)));
+        }
         Light base;
         for (std::size_t k = 0; k < 3; ++k)
             base[k] = w[0] * a.base[k] + w[1] * b.base[k] + w[2] * c.base[k];
@@ -386,8 +388,8 @@ Image drawn(const Scene& scene, const std::vector<Stroke>& strokes, const Fit& f
     };
     const auto stroke_rows = [&](std::size_t k) {
         const Stroke& s = strokes[k];
-        return std::array{std::min(s.from.y, s.to.y) - s.width,
-                          std::max(s.from.y, s.to.y) + s.width};
+        return std::array{std::min(s.from.y, s.to.y) - s.width - 1,
+                          std::max(s.from.y, s.to.y) + s.width + 1};
     };
     const Bands triangles(fit.height, scene.triangles().size(), triangle_rows);
     const Bands lines(fit.height, strokes.size(), stroke_rows);

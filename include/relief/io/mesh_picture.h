@@ -41,7 +41,7 @@ struct MeshPictureOptions {
     const PolygonMesh* net = nullptr;  ///< another mesh, of which only lines and dots are drawn
     LineStyle net_lines = {.width = 1.5,
                            .opacity = 0.9,
-                           .hidden_opacity = 0.15,
+                           .hidden_opacity = 0.1,
                            .colour = {150, 20, 30},
                            .dot_radius = 3};
     /// One for each vertex of the mesh, or empty: shown by colours, with a legend below; those that
