@@ -83,6 +83,18 @@ Point closest_point(const Corners& triangle, const Point& p) {
     return closest_on(longest_first(triangle), p);
 }
 
+void TriangleTree::Box::include(const std::array<double, 3>& p) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        low[k] = std::min(low[k], p[k]);
+        high[k] = std::max(high[k], p[k]);
+    }
+}
+
+void TriangleTree::Box::include(const Box& box) {
+    include(box.low);
+    include(box.high);
+}
+
 double TriangleTree::Box::squared_distance(const Point& p) const {
     const auto beyond = [](double least, double value, double most) {
         return std::max(0.0, std::max(least - value, value - most));
@@ -118,33 +130,23 @@ TriangleTree::TriangleTree(const std::vector<FanTriangle>& triangles) {
     triangles_ = std::move(sorted);
 }
 
-/// Boxes are made from the leaves upwards.
+/// Halves the items across the longest side of the box of their centres.
 void TriangleTree::build(std::vector<Item>& items, Index begin, Index end) {
-    constexpr double most = std::numeric_limits<double>::infinity();
     const std::size_t self = nodes_.size();
-    nodes_.push_back({{{most, most, most}, {-most, -most, -most}}, begin, end, 0});
+    nodes_.push_back({{}, begin, end, 0});
+    Box box;
     if (end - begin <= kLeafTriangles) {
-        Box& box = nodes_[self].box;
         for (Index k = begin; k < end; ++k)
-            for (const Point& p : triangles_[items[k].triangle].corners) {
-                const std::array<double, 3> x = {p.x, p.y, p.z};
-                for (std::size_t i = 0; i < 3; ++i) {
-                    box.low[i] = std::min(box.low[i], x[i]);
-                    box.high[i] = std::max(box.high[i], x[i]);
-                }
-            }
+            for (const Point& p : triangles_[items[k].triangle].corners)
+                box.include(std::array{p.x, p.y, p.z});
+        nodes_[self].box = box;
         return;
     }
-    std::array<double, 3> low{most, most, most};
-    std::array<double, 3> high{-most, -most, -most};
-    for (Index k = begin; k < end; ++k)
-        for (std::size_t i = 0; i < 3; ++i) {
-            low[i] = std::min(low[i], items[k].centre[i]);
-            high[i] = std::max(high[i], items[k].centre[i]);
-        }
-    std::size_t axis = 0;
-    for (std::size_t i = 1; i < 3; ++i)
-        if (high[i] - low[i] > high[axis] - low[axis]) axis = i;
+    Box centres;
+    for (Index k = begin; k < end; ++k) centres.include(items[k].centre);
+    const auto size = [&](std::size_t axis) { return centres.high[axis] - centres.low[axis]; };
+    std::size_t axis = size(1) > size(0) ? 1 : 0;
+    if (size(2) > size(axis)) axis = 2;
     const Index middle = begin + (end - begin) / 2;
     std::nth_element(items.begin() + begin, items.begin() + middle, items.begin() + end,
                      [axis](const Item& a, const Item& b) {
@@ -154,12 +156,10 @@ void TriangleTree::build(std::vector<Item>& items, Index begin, Index end) {
     build(items, begin, middle);
     const std::size_t second = nodes_.size();
     build(items, middle, end);
-    Node& node = nodes_[self];
-    node.second = static_cast<Index>(second);
-    for (std::size_t i = 0; i < 3; ++i) {
-        node.box.low[i] = std::min(nodes_[self + 1].box.low[i], nodes_[second].box.low[i]);
-        node.box.high[i] = std::max(nodes_[self + 1].box.high[i], nodes_[second].box.high[i]);
-    }
+    box.include(nodes_[self + 1].box);
+    box.include(nodes_[second].box);
+    nodes_[self].box = box;
+    nodes_[self].second = static_cast<Index>(second);
 }
 
 SurfacePoint TriangleTree::closest(const Point& p, double enough) const {

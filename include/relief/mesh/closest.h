@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "relief/core/polygon_mesh.h"
@@ -47,10 +48,15 @@ class TriangleTree {
     [[nodiscard]] SurfacePoint closest(const Vec3<double>& p, double enough = 0) const;
 
   private:
-    struct Box {
-        std::array<double, 3> low;
-        std::array<double, 3> high;
+    static constexpr double kMost = std::numeric_limits<double>::infinity();
 
+    /// Empty until it includes something.
+    struct Box {
+        std::array<double, 3> low{kMost, kMost, kMost};
+        std::array<double, 3> high{-kMost, -kMost, -kMost};
+
+        void include(const std::array<double, 3>& p);
+        void include(const Box& box);
         [[nodiscard]] double squared_distance(const Vec3<double>& p) const;
     };
     /// The first child follows its parent; `second` is 0 in a leaf.
