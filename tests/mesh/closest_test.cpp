@@ -19,7 +19,7 @@ PolygonMesh mesh_of(const test::Shape& shape) {
             .corners = {shape.faces.corners.begin(), shape.faces.corners.end()}};
 }
 
-/// The unit square of n x n cells in the plane z, with two corners at opposite ends of the z axis.
+/// A square of n x n cells in the plane z.
 PolygonMesh square(int n, double z, double size = 1) {
     PolygonMesh mesh;
     for (int k = 0; k <= n; ++k)
