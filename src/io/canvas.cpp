@@ -7,10 +7,13 @@
 
 namespace relief::io::detail {
 
-namespace {
+Canvas::Canvas(int width, int height, int top)
+    : width_(width * kSamples),
+      height_(height * kSamples),
+      top_(top),
+      samples_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_)) {}
 
-/// The samples whose centres lie between `low` and `high` pixels, within 0 .. count - 1.
-std::array<int, 2> span(double low, double high, int count) {
+Canvas::Span Canvas::between(double low, double high, int count) {
     const auto clamp = [&](double t) {
         return static_cast<int>(std::clamp(t, -1.0, static_cast<double>(count)));
     };
@@ -18,70 +21,58 @@ std::array<int, 2> span(double low, double high, int count) {
             std::min(count - 1, clamp(std::floor(high - 0.5)))};
 }
 
-ScreenPoint in_samples(const ScreenPoint& p) {
-    return {p.x * Canvas::kSamples, p.y * Canvas::kSamples, p.nearness};
-}
-
-}  // namespace
-
-Canvas::Canvas(int width, int height)
-    : width_(width * kSamples),
-      height_(height * kSamples),
-      samples_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_)) {}
-
 void Canvas::triangle(const std::array<ScreenPoint, 3>& points,
                       const std::array<Light, 3>& colours) {
-    const ScreenPoint a = in_samples(points[0]);
-    const ScreenPoint b = in_samples(points[1]);
-    const ScreenPoint c = in_samples(points[2]);
-    const double area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
-    if (!(std::abs(area) > 0)) return;
-    const auto [y0, y1] = span(std::min({a.y, b.y, c.y}), std::max({a.y, b.y, c.y}), height_);
-    const auto [x0, x1] = span(std::min({a.x, b.x, c.x}), std::max({a.x, b.x, c.x}), width_);
-    for (int y = y0; y <= y1; ++y) {
-        for (int x = x0; x <= x1; ++x) {
-            const double px = x + 0.5;
-            const double py = y + 0.5;
-            const double u = ((px - a.x) * (c.y - a.y) - (c.x - a.x) * (py - a.y)) / area;
-            const double v = ((b.x - a.x) * (py - a.y) - (px - a.x) * (b.y - a.y)) / area;
-            const double w = 1 - u - v;
-            constexpr double slack = -1e-9;  // no gaps between neighbours
-            if (u < slack || v < slack || w < slack) continue;
-            Light light;
-            for (std::size_t k = 0; k < 3; ++k)
-                light[k] = w * colours[0][k] + u * colours[1][k] + v * colours[2][k];
-            const auto nearness =
-                static_cast<float>(w * a.nearness + u * b.nearness + v * c.nearness);
-            Sample& s = sample(x, y);
-            if (nearness <= s.nearness) continue;
-            s.nearness = nearness;
-            s.colour = srgb_of(light);
-            s.covered = true;
-        }
-    }
+    triangle(points, [&](const CornerWeights& weights) {
+        Light light;
+        for (std::size_t k = 0; k < 3; ++k)
+            light[k] = weights[0] * colours[0][k] + weights[1] * colours[1][k] +
+                       weights[2] * colours[2][k];
+        return srgb_of(light);
+    });
+}
+
+float Canvas::least_near(int x, int y, int reach) const {
+    float least = sample(x, y).nearness;
+    if (!sample(x, y).covered) return least;
+    for (int row = std::max(y - reach, 0); row <= std::min(y + reach, height_ - 1); ++row)
+        for (int col = std::max(x - reach, 0); col <= std::min(x + reach, width_ - 1); ++col)
+            if (sample(col, row).covered) least = std::min(least, sample(col, row).nearness);
+    return least;
 }
 
 void Canvas::line(const ScreenPoint& from, const ScreenPoint& to, double width, const Pen& pen) {
     const ScreenPoint a = in_samples(from);
     const ScreenPoint b = in_samples(to);
-    const double radius = width * kSamples / 2;
+    const double radius = width * kSamples / 2 + 0.5;  // of samples that are covered in part
     const double dx = b.x - a.x;
     const double dy = b.y - a.y;
     const double length2 = dx * dx + dy * dy;
-    const auto [y0, y1] = span(std::min(a.y, b.y) - radius, std::max(a.y, b.y) + radius, height_);
-    const auto [x0, x1] = span(std::min(a.x, b.x) - radius, std::max(a.x, b.x) + radius, width_);
-    for (int y = y0; y <= y1; ++y) {
-        for (int x = x0; x <= x1; ++x) {
+    const Span rows = between(std::min(a.y, b.y) - radius, std::max(a.y, b.y) + radius, height_);
+    for (int y = rows.first; y <= rows.last; ++y) {
+        // The part of the line that is within the radius of the row.
+        const auto part = [&](double py) {
+            return dy != 0 ? std::clamp((py - a.y) / dy, 0.0, 1.0) : 0.0;
+        };
+        const double from_x = a.x + part(y + 0.5 - radius) * dx;
+        const double to_x = dy != 0 ? a.x + part(y + 0.5 + radius) * dx : b.x;
+        const Span columns = between(std::min(from_x, to_x) - radius - 1,
+                                     std::max(from_x, to_x) + radius + 1, width_);
+        for (int x = columns.first; x <= columns.last; ++x) {
             const double px = x + 0.5 - a.x;
             const double py = y + 0.5 - a.y;
             const double t =
                 length2 > 0 ? std::clamp((px * dx + py * dy) / length2, 0.0, 1.0) : 0.0;
-            const double off2 = (px - t * dx) * (px - t * dx) + (py - t * dy) * (py - t * dy);
-            if (off2 > radius * radius) continue;
+            const double off =
+                std::sqrt((px - t * dx) * (px - t * dx) + (py - t * dy) * (py - t * dy));
+            const double cover = std::min(radius - off, 1.0);
+            if (cover <= 0) continue;
             const double nearness = a.nearness + t * (b.nearness - a.nearness);
             Sample& s = sample(x, y);
-            const bool hidden = nearness * (1 + pen.lift) <= static_cast<double>(s.nearness);
-            const auto opacity = static_cast<float>(hidden ? pen.hidden_opacity : pen.opacity);
+            const bool hidden =
+                nearness * (1 + pen.lift) <= static_cast<double>(least_near(x, y, pen.reach));
+            const auto opacity =
+                static_cast<float>(cover * (hidden ? pen.hidden_opacity : pen.opacity));
             if (opacity <= s.opacity) continue;
             s.opacity = opacity;
             s.ink = pen.colour;
@@ -90,8 +81,16 @@ void Canvas::line(const ScreenPoint& from, const ScreenPoint& to, double width, 
 }
 
 Image Canvas::image(int channels) const {
-    constexpr int all = kSamples * kSamples;
     Image out(width_ / kSamples, height_ / kSamples, channels);
+    parallel_for(0, out.height, 16, [&](std::int64_t first, std::int64_t end) {
+        write_rows(static_cast<int>(first), static_cast<int>(end), out);
+    });
+    return out;
+}
+
+void Canvas::write_rows(int first, int end, Image& picture) const {
+    constexpr int all = kSamples * kSamples;
+    const int channels = picture.channels;
     const auto average = [&](int row, int col, std::uint8_t* p) {
         Light sum = {};
         double cover = 0;
@@ -106,11 +105,8 @@ Image Canvas::image(int channels) const {
         for (std::size_t i = 0; i < 3; ++i) p[i] = code_of(cover > 0 ? sum[i] / cover : 0);
         if (channels == 4) p[3] = static_cast<std::uint8_t>(std::lround(255 * cover / all));
     };
-    parallel_for(0, out.height, 16, [&](std::int64_t first, std::int64_t last) {
-        for (auto r = static_cast<int>(first); r < static_cast<int>(last); ++r)
-            for (int c = 0; c < out.width; ++c) average(r, c, out.pixel(r, c));
-    });
-    return out;
+    for (int r = first; r < end; ++r)
+        for (int c = 0; c < picture.width; ++c) average(r, c, picture.pixel(top_ + r, c));
 }
 
 }  // namespace relief::io::detail

@@ -1,13 +1,12 @@
 #include "relief/io/picture.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "io/colour.h"
 #include "io/font.h"
+#include "io/legend.h"
 #include "relief/core/parallel.h"
 
 namespace relief::io {
@@ -17,7 +16,6 @@ namespace {
 using detail::Srgb;
 
 constexpr Srgb kHoleGrey = {214, 214, 214};
-constexpr Srgb kInk = {60, 60, 64};
 
 bool is_valid(Mask mask, std::int64_t r, std::int64_t c) {
     return mask.count() == 0 || mask(r, c) != 0;
@@ -74,49 +72,6 @@ Range range_of(Heights z, Valid valid, Value value) {
 double on_ramp(double z, const Range& range) {
     if (range.low < 0 && range.high > 0) return z < 0 ? -z / range.low : z / range.high;
     return range.high > range.low ? (z - range.low) / (range.high - range.low) : 0.5;
-}
-
-/// The smallest of 1, 2, 5 times a power of ten that is not below x > 0.
-double round_up(double x) {
-    const double decade = std::pow(10, std::floor(std::log10(x)));
-    for (const double digit : {1.0, 2.0, 5.0})
-        if (digit * decade >= x) return digit * decade;
-    return 10 * decade;
-}
-
-/// The picture on white with a bar below it that explains the colours.
-Image with_legend(const Image& picture, double scale, const std::string& unit) {
-    const int dot = std::max(1, picture.width / 400);
-    const int width = std::max(picture.width, 180);
-    const int margin = 6 * dot;
-    const int bar = 10 * dot;
-    Image out(width, picture.height + 3 * margin + bar + 9 * dot, picture.channels);
-    std::fill(out.pixels.begin(), out.pixels.end(), std::uint8_t{255});
-    for (int r = 0; r < picture.height; ++r)
-        std::copy_n(picture.pixel(r, 0), picture.width * picture.channels,
-                    out.pixel(r, (width - picture.width) / 2));
-
-    const int length = std::min(width - 60 * dot, 300 * dot);
-    const int left = (width - length) / 2;
-    const int top = picture.height + margin;
-    for (int r = 0; r < bar; ++r)
-        for (int c = 0; c < length; ++c) {
-            const Srgb rgb = difference_colour(2 * (c + 0.5) / length - 1);
-            std::copy(rgb.begin(), rgb.end(), out.pixel(top + r, left + c));
-        }
-    for (const double part : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
-        const int at = left + static_cast<int>(std::lround((part + 1) / 2 * (length - dot)));
-        for (int r = 0; r < 3 * dot; ++r)
-            for (int c = 0; c < dot; ++c)
-                std::copy(kInk.begin(), kInk.end(), out.pixel(top + bar + r, at + c));
-        const std::string_view suffix = part == 1 ? std::string_view(unit) : "";
-        const std::string label =
-            part == 0 ? "0"
-                      : fmt::format("{:+.3g}{}{}", part * scale, suffix.empty() ? "" : " ", suffix);
-        detail::draw_text(out, label, top + bar + 5 * dot, at - detail::text_width(label, dot) / 2,
-                          dot, kInk);
-    }
-    return out;
 }
 
 }  // namespace
@@ -177,7 +132,7 @@ Image with_caption(const Image& picture, std::string_view text) {
     std::fill(out.pixels.begin(), out.pixels.end(), std::uint8_t{255});
     std::copy(picture.pixels.begin(), picture.pixels.end(), out.pixels.begin());
     const int left = (picture.width - detail::text_width(text, dot)) / 2;
-    detail::draw_text(out, text, picture.height + margin, left, dot, kInk);
+    detail::draw_text(out, text, picture.height + margin, left, dot, detail::kInk);
     return out;
 }
 
@@ -193,13 +148,13 @@ Image error_map(Heights surface, Heights reference, Mask mask, CellSize cell,
     if (!(scale > 0)) {
         const Range range = range_of(surface, valid, error);
         const double largest = std::max(-range.low, range.high);
-        scale = largest > 0 ? round_up(largest) : 1;
+        scale = detail::round_scale(largest);
     }
     Image image = paint(surface, options.picture.holes, valid, [&](std::int64_t r, std::int64_t c) {
         return difference_colour(error(r, c) / scale);
     });
-    return with_legend(laid_out(std::move(image), cell, options.picture.width), scale,
-                       options.unit);
+    return detail::with_legend(laid_out(std::move(image), cell, options.picture.width),
+                               {.scale = scale, .unit = options.unit});
 }
 
 }  // namespace relief::io

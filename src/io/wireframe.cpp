@@ -2,40 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <optional>
 
-#include "io/canvas.h"
+#include "io/camera.h"
 
 namespace relief::io {
 
 namespace {
 
+using detail::Box;
+using detail::Camera;
 using detail::Canvas;
+using detail::direction;
+using detail::Fit;
 using detail::Light;
 using detail::ScreenPoint;
-
-using Vec = std::array<double, 3>;
-
-constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kMargin = 0.03;  ///< of the picture's width, on each side
-
-Vec operator-(const Vec& a, const Vec& b) {
-    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-double dot(const Vec& a, const Vec& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-Vec cross(const Vec& a, const Vec& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-/// The unit vector at an azimuth (clockwise from north) and altitude.
-Vec direction(double azimuth, double altitude) {
-    const double flat = std::cos(altitude * kDegree);
-    return {std::sin(azimuth * kDegree) * flat, std::cos(azimuth * kDegree) * flat,
-            std::sin(altitude * kDegree)};
-}
+using detail::Vec;
 
 Vec point(const Sheet& sheet, std::int64_t r, std::int64_t c) {
     return {sheet.xyz[0](r, c), sheet.xyz[1](r, c), sheet.xyz[2](r, c)};
@@ -44,7 +25,7 @@ Vec point(const Sheet& sheet, std::int64_t r, std::int64_t c) {
 bool is_valid(const Sheet& sheet, std::int64_t r, std::int64_t c) {
     if (!sheet.mask.empty() && sheet.mask(r, c) == 0) return false;
     const Vec p = point(sheet, r, c);
-    return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
 template <class Visit>
@@ -54,83 +35,11 @@ void for_each_valid(const Sheet& sheet, Visit visit) {
             if (is_valid(sheet, r, c)) visit(point(sheet, r, c));
 }
 
-struct Box {
-    Vec low = {1e300, 1e300, 1e300};
-    Vec high = {-1e300, -1e300, -1e300};
-
-    void add(const Vec& p) {
-        for (std::size_t k = 0; k < 3; ++k) {
-            low[k] = std::min(low[k], p[k]);
-            high[k] = std::max(high[k], p[k]);
-        }
-    }
-    [[nodiscard]] bool empty() const { return low[0] > high[0]; }
-};
-
-/// Looks at the middle of a box from a distance at which its diagonal fills the field of view.
-class Camera {
-  public:
-    Camera(const Box& box, const ViewOptions& view) {
-        for (std::size_t k = 0; k < 3; ++k) middle_[k] = (box.low[k] + box.high[k]) / 2;
-        const Vec extent = box.high - box.low;
-        radius_ = std::max(std::sqrt(dot(extent, extent)) / 2, 1e-300);
-        towards_viewer_ = direction(view.azimuth, view.altitude);
-        right_ = direction(view.azimuth - 90, 0);
-        up_ = cross(towards_viewer_, right_);
-        const double half = std::clamp(view.field_of_view, 0.0, 120.0) / 2 * kDegree;
-        if (half > 0) distance_ = radius_ / std::sin(half);
-    }
-
-    /// In units of the scene, the middle at (0, 0), y down.
-    [[nodiscard]] ScreenPoint project(const Vec& p) const {
-        const Vec d = p - middle_;
-        const double towards = dot(d, towards_viewer_);
-        const double shrink = distance_ ? *distance_ / (*distance_ - towards) : 1;
-        return {dot(d, right_) * shrink, -dot(d, up_) * shrink,
-                distance_ ? shrink : 1 + towards / (4 * radius_)};
-    }
-
-  private:
-    Vec middle_{};
-    Vec towards_viewer_{};
-    Vec right_{};
-    Vec up_{};
-    double radius_ = 1;
-    std::optional<double> distance_;  ///< none: parallel projection
-};
-
-/// Scene units to pixels.
-struct Fit {
-    double scale = 1;
-    double x = 0;
-    double y = 0;
-    int width = 0;
-    int height = 0;
-
-    [[nodiscard]] ScreenPoint operator()(const ScreenPoint& p) const {
-        return {p.x * scale + x, p.y * scale + y, p.nearness};
-    }
-};
-
 Fit fit(std::span<const Layer> layers, const Camera& camera, int width) {
     Box seen;
     for (const Layer& layer : layers)
-        for_each_valid(*layer.sheet, [&](const Vec& p) {
-            const ScreenPoint q = camera.project(p);
-            seen.add({q.x, q.y, 0});
-        });
-    const double across = std::max(seen.high[0] - seen.low[0], 1e-300);
-    const double down = seen.high[1] - seen.low[1];
-    const double margin = kMargin * width;
-    Fit out;
-    out.width = width;
-    out.scale = (width - 2 * margin) / across;
-    // A tall narrow scene must not become a picture of any height.
-    if (down * out.scale > 2.0 * width) out.scale = 2.0 * width / down;
-    out.height = static_cast<int>(std::ceil(down * out.scale + 2 * margin));
-    out.x = width / 2.0 - (seen.low[0] + seen.high[0]) / 2 * out.scale;
-    out.y = out.height / 2.0 - (seen.low[1] + seen.high[1]) / 2 * out.scale;
-    return out;
+        for_each_valid(*layer.sheet, [&](const Vec& p) { seen.add(camera.project(p)); });
+    return fitted(seen, width);
 }
 
 /// Draws one sheet; all that depends on sheet and view is at hand.
@@ -211,19 +120,19 @@ class SheetPainter {
 
     [[nodiscard]] Light colour(const Index& k) const {
         Vec normal = cross(tangent(k, 0), tangent(k, 1));
-        const double length = std::sqrt(dot(normal, normal));
+        const double norm = length(normal);
         // Both sides of a sheet are lit: the one that faces the viewer counts.
         const double side = dot(normal, viewer_) < 0 ? -1 : 1;
-        const double cosine = length > 0 ? side * dot(normal, sun_) / length : sun_[2];
-        const double span = coloured_.high[2] - coloured_.low[2];
-        const double z = at(k)[2];
-        double height = span > 0 ? (z - coloured_.low[2]) / span : 0.5;
-        if (coloured_.low[2] < 0 && coloured_.high[2] > 0)
-            height = z < 0 ? -z / coloured_.low[2] : z / coloured_.high[2];
+        const double cosine = norm > 0 ? side * dot(normal, sun_) / norm : sun_.z;
+        const double span = coloured_.high.z - coloured_.low.z;
+        const double z = at(k).z;
+        double height = span > 0 ? (z - coloured_.low.z) / span : 0.5;
+        if (coloured_.low.z < 0 && coloured_.high.z > 0)
+            height = z < 0 ? -z / coloured_.low.z : z / coloured_.high.z;
         const Light paper = {0.92, 0.92, 0.92};
         const Light& base =
             style_.fill == SheetFill::ByHeight ? detail::height_light(height) : paper;
-        return detail::lit(base, std::max(0.0, cosine), std::max(sun_[2], 0.2));
+        return detail::lit(base, std::max(0.0, cosine), std::max(sun_.z, 0.2));
     }
 
     const Sheet& sheet_;
@@ -272,7 +181,7 @@ Image draw_sheets(std::span<const Layer> layers, const ViewOptions& view) {
             if (layer.style.fill != SheetFill::None) coloured.add(p);
         });
     if (box.empty()) return {};
-    const Camera camera(box, view);
+    const Camera camera(box, {view.azimuth, view.altitude, view.field_of_view});
     const Fit to_pixels = fit(layers, camera, std::max(view.width, 16));
     Canvas canvas(to_pixels.width, to_pixels.height);
     for (const Layer& layer : layers)
