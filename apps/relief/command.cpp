@@ -89,9 +89,11 @@ double Stopwatch::seconds() const {
 }
 
 void SchemeOptions::add_to(CLI::App& app) {
-    app.add_option("--scheme", scheme,
-                   "fvs (best for --max-error and --lossless), cubic (best for the other goals), "
-                   "box, barycentric");
+    app.add_option(
+        "--scheme", scheme,
+        "rasters: fvs (best for --max-error and --lossless), cubic (best for the other "
+        "goals), box, barycentric; meshes: loop, sqrt3, catmull-clark, and fvs for quads "
+        "over the plane");
     app.add_option(
         "--order", order,
         "1: linear C0, 2: quartic C2 (default); barycentric also 3: C4, 4: C6; cubic has 2");

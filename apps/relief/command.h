@@ -57,6 +57,7 @@ void add_eval(Program& program);
 void add_edit(Program& program);
 void add_render(Program& program);
 void add_sample(Program& program);
+void add_subdivide(Program& program);
 
 /// A bar on standard error, on a terminal only, unless quiet; cancels on Ctrl-C.
 [[nodiscard]] Progress progress_bar(const Globals& globals, std::string what);

@@ -6,10 +6,13 @@
 #include <filesystem>
 #include <limits>
 
+#include "mesh_verbs.h"
 #include "quad_verbs.h"
 #include "relief/io/file.h"
 #include "relief/io/file_kind.h"
 #include "relief/io/mesh.h"
+#include "relief/mesh/repair.h"
+#include "relief/multires/mesh_hierarchy.h"
 
 namespace relief::cli {
 
@@ -31,17 +34,6 @@ Result<codec::QuadMesh> quads_of(const PolygonMesh& polygons, const std::string&
         std::copy(polygon.begin(), polygon.end(), quad.begin());
     }
     return mesh;
-}
-
-PolygonMesh polygons_of(const codec::QuadMesh& mesh) {
-    PolygonMesh polygons;
-    polygons.vertices = mesh.vertices;
-    for (const auto& quad : mesh.quads) {
-        std::array<std::int32_t, 4> corners{};
-        std::copy(quad.begin(), quad.end(), corners.begin());
-        polygons.add_polygon(corners);
-    }
-    return polygons;
 }
 
 Json levels_json(const codec::QuadFile& file) {
@@ -81,8 +73,19 @@ bool holds_quads(const std::string& path) {
     return content.ok() && *content == kQuadrangulation;
 }
 
+PolygonMesh polygons_of(const codec::QuadMesh& mesh) {
+    PolygonMesh polygons;
+    polygons.vertices = mesh.vertices;
+    for (const auto& quad : mesh.quads) {
+        std::array<std::int32_t, 4> corners{};
+        std::copy(quad.begin(), quad.end(), corners.begin());
+        polygons.add_polygon(corners);
+    }
+    return polygons;
+}
+
 bool is_mesh(const std::string& path) {
-    return io::recognise(path) == io::FileKind::Mesh || holds_quads(path);
+    return io::recognise(path) == io::FileKind::Mesh || holds_quads(path) || holds_mesh(path);
 }
 
 Result<codec::QuadFile> open_quads(const std::string& path,
@@ -184,6 +187,47 @@ Result<Outcome> info_of_quads(const std::string& path) {
     return outcome;
 }
 
+namespace {
+
+const char* element_of(const mesh::MeshProblem& problem) {
+    const bool vertex = problem.kind == mesh::MeshProblemKind::SeveralFans ||
+                        problem.kind == mesh::MeshProblemKind::UnusedVertex;
+    return vertex ? "vertex" : "face";
+}
+
+Json problems_json(const mesh::MeshDiagnosis& diagnosis) {
+    Json problems = Json::array();
+    for (const mesh::MeshProblem& problem : diagnosis.problems)
+        problems.push_back(Json{{"element", element_of(problem)},
+                                {"number", problem.element},
+                                {"message", problem.message}});
+    return problems;
+}
+
+/// What the mesh is a subdivision of, by scheme.
+Json schemes_of(const PolygonMesh& polygons) {
+    Json schemes = Json::array();
+    const std::vector<mesh::Index> corners(polygons.corners.begin(), polygons.corners.end());
+    const auto topology =
+        mesh::build(polygons.offsets, corners, static_cast<mesh::Index>(polygons.vertices.size()));
+    if (!topology.ok()) return schemes;
+    std::vector<Vec3<double>> points;
+    for (const auto& v : polygons.vertices) points.push_back({v[0], v[1], v[2]});
+    using multires::MeshScheme;
+    for (const MeshScheme scheme :
+         {MeshScheme::Sqrt3, MeshScheme::Loop, MeshScheme::CatmullClark}) {
+        const auto origin = multires::origin_of(*topology, points, {}, scheme, 30);
+        if (!origin.ok()) continue;
+        schemes.push_back(Json{{"name", multires::mesh_scheme_name(scheme)},
+                               {"levels", origin->steps},
+                               {"base_vertices", origin->base.vertex_count},
+                               {"base_faces", origin->base.face_count}});
+    }
+    return schemes;
+}
+
+}  // namespace
+
 Result<Outcome> info_of_mesh(const std::string& path) {
     RELIEF_TRY(const io::LoadedMesh loaded, io::read_mesh(path));
     const PolygonMesh& mesh = loaded.mesh;
@@ -196,6 +240,8 @@ Result<Outcome> info_of_mesh(const std::string& path) {
         }
     std::int64_t quads = 0;
     for (std::int64_t k = 0; k < mesh.polygon_count(); ++k) quads += mesh.polygon(k).size() == 4;
+    const auto diagnosis =
+        mesh::diagnose(mesh::faces_of(mesh), static_cast<mesh::Index>(mesh.vertices.size()), 5);
     std::error_code ignored;
     const auto bytes = std::filesystem::file_size(path, ignored);
     Outcome outcome;
@@ -215,6 +261,10 @@ Result<Outcome> info_of_mesh(const std::string& path) {
                                                 json_number(high[0]), json_number(high[1])})},
                         {"min", json_number(low[2])},
                         {"max", json_number(high[2])},
+                        {"degenerate_facets", loaded.degenerate_facets},
+                        {"healthy", diagnosis.healthy()},
+                        {"problems", problems_json(diagnosis)},
+                        {"schemes", schemes_of(mesh)},
                         {"checksums_ok", nullptr}};
     outcome.text = fmt::format("{}: mesh of {} vertices and {} polygons, {} of them quads\n", path,
                                grouped(static_cast<std::int64_t>(mesh.vertices.size())),
@@ -222,6 +272,15 @@ Result<Outcome> info_of_mesh(const std::string& path) {
     outcome.text +=
         fmt::format("x {} .. {}, y {} .. {}, z {} .. {}\n", shown(low[0]), shown(high[0]),
                     shown(low[1]), shown(high[1]), shown(low[2]), shown(high[2]));
+    outcome.text += diagnosis.healthy() ? "an oriented manifold\n"
+                                        : "no oriented manifold; '--repair' mends this:\n";
+    for (const mesh::MeshProblem& problem : diagnosis.problems)
+        outcome.text +=
+            fmt::format("  {} {}: {}\n", element_of(problem), problem.element, problem.message);
+    for (const Json& scheme : outcome.json["schemes"])
+        outcome.text += fmt::format("subdivision connectivity: {}, {} levels over {} faces\n",
+                                    scheme["name"].get<std::string>(), scheme["levels"].get<int>(),
+                                    grouped(scheme["base_faces"].get<std::int64_t>()));
     return outcome;
 }
 

@@ -89,54 +89,6 @@ Result<Outcome> encode_quads(const std::string& in, const std::string& out,
     return outcome;
 }
 
-Result<Outcome> compare_quads(const std::string& path_a, const std::string& path_b) {
-    if (!is_mesh(path_a) || !is_mesh(path_b))
-        return Error{ErrorCode::BadInput, "a mesh and a raster can not be compared",
-                     path_a + " and " + path_b};
-    RELIEF_TRY(const codec::QuadMesh a, read_quads(path_a));
-    RELIEF_TRY(const codec::QuadMesh b, read_quads(path_b));
-    if (a.vertices.size() != b.vertices.size())
-        return Error{ErrorCode::BadInput,
-                     fmt::format("have {} and {} vertices; they are compared vertex by vertex",
-                                 a.vertices.size(), b.vertices.size()),
-                     path_a + " and " + path_b};
-    double most = 0;
-    double sum = 0;
-    std::size_t worst = 0;
-    std::array<double, 3> low{INFINITY, INFINITY, INFINITY};
-    std::array<double, 3> high{-INFINITY, -INFINITY, -INFINITY};
-    for (std::size_t v = 0; v < a.vertices.size(); ++v) {
-        double square = 0;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const double difference = a.vertices[v][k] - b.vertices[v][k];
-            square += difference * difference;
-            low[k] = std::min(low[k], a.vertices[v][k]);
-            high[k] = std::max(high[k], a.vertices[v][k]);
-        }
-        sum += square;
-        if (std::sqrt(square) > most) worst = v;
-        most = std::max(most, std::sqrt(square));
-    }
-    const double mean = a.vertices.empty() ? 0 : sum / static_cast<double>(a.vertices.size());
-    const double psnr = 20 * std::log10((high[2] - low[2]) / std::sqrt(mean));
-    const double diagonal = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
-    Outcome outcome;
-    outcome.json = Json{{"samples", a.vertices.size()},
-                        {"max_error", json_number(most)},
-                        {"rms_error", json_number(std::sqrt(mean))},
-                        {"mean_square", json_number(mean)},
-                        {"psnr_db", json_number(psnr)},
-                        {"energy_percent", nullptr},
-                        {"diagonal", json_number(diagonal)},
-                        {"worst", Json{{"vertex", worst}}},
-                        {"quads_differ", a.quads != b.quads}};
-    outcome.text = fmt::format("{} vertices: max error {} at vertex {}; rms error {}\n",
-                               grouped(static_cast<std::int64_t>(a.vertices.size())), shown(most),
-                               worst, shown(std::sqrt(mean)));
-    if (a.quads != b.quads) outcome.text += "the quads differ\n";
-    return outcome;
-}
-
 Result<Outcome> edit_quads(const std::string& in, const std::string& out, int level,
                            const std::vector<std::string>& texts) {
     std::vector<codec::QuadMove> moves;

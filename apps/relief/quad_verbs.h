@@ -6,6 +6,7 @@
 
 #include "command.h"
 #include "relief/codec/quad_codec.h"
+#include "relief/core/polygon_mesh.h"
 #include "relief/core/vec2.h"
 
 /// The verbs on quad meshes and on .relief files that hold one. The verbs' own files parse the
@@ -14,11 +15,13 @@ namespace relief::cli {
 
 /// A .relief file that holds a quadrangulation. False for anything else, also if it is damaged.
 [[nodiscard]] bool holds_quads(const std::string& path);
-/// A polygon mesh, or a .relief file that holds a quadrangulation.
+/// A polygon mesh, or a .relief file that holds a mesh or a quadrangulation.
 [[nodiscard]] bool is_mesh(const std::string& path);
 
 [[nodiscard]] Result<codec::QuadFile> open_quads(const std::string& path,
                                                  std::optional<std::uint64_t> max_bytes = {});
+
+[[nodiscard]] PolygonMesh polygons_of(const codec::QuadMesh& mesh);
 
 /// Reads a mesh; of a .relief file the finest level. Errors: `not_a_quad` naming the polygon.
 [[nodiscard]] Result<codec::QuadMesh> read_quads(const std::string& path);
@@ -29,7 +32,6 @@ namespace relief::cli {
                                            std::optional<std::uint64_t> max_bytes);
 [[nodiscard]] Result<Outcome> info_of_quads(const std::string& path);
 [[nodiscard]] Result<Outcome> info_of_mesh(const std::string& path);
-[[nodiscard]] Result<Outcome> compare_quads(const std::string& a, const std::string& b);
 /// `moves`: "INDEX:DZ".
 [[nodiscard]] Result<Outcome> edit_quads(const std::string& in, const std::string& out, int level,
                                          const std::vector<std::string>& moves);

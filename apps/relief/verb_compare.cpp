@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "command.h"
+#include "mesh_verbs.h"
 #include "quad_verbs.h"
 #include "relief/codec/measure.h"
 #include "relief/io/file_kind.h"
@@ -80,13 +81,8 @@ double diagonal_of(const Raster& raster, double range) {
 }
 
 Result<Outcome> run(const Compare& options, const Globals& globals) {
-    if (is_mesh(options.a) || is_mesh(options.b)) {
-        if (!options.surface) return compare_quads(options.a, options.b);
-        return Error{ErrorCode::Unsupported,
-                     "distances between surfaces are not measured yet; meshes of the same vertices "
-                     "can be compared without --surface",
-                     options.a};
-    }
+    if (is_mesh(options.a) || is_mesh(options.b))
+        return compare_meshes(options.a, options.b, options.surface);
     if (options.surface)
         return Error{ErrorCode::InvalidArgument,
                      "--surface compares meshes; rasters are compared sample by sample", ""};

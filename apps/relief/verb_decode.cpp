@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "command.h"
+#include "mesh_verbs.h"
 #include "quad_verbs.h"
 #include "relief/codec/raster_surface.h"
 #include "relief/io/raster.h"
@@ -246,11 +247,13 @@ Json damage_json(const std::vector<LatticeBox>& damaged) {
     return list;
 }
 
-/// A file of a quadrangulation has levels, but no windows and scales.
-Result<Outcome> decode_mesh(const Decode& options) {
+/// Files of meshes have levels, but no windows and scales.
+Result<Outcome> decode_any_mesh(const Decode& options) {
     if (!options.window.empty() || options.scale != 1)
         return Error{ErrorCode::InvalidArgument, "--window and --scale are for rasters",
                      options.in};
+    if (holds_mesh(options.in))
+        return decode_mesh(options.in, options.out, options.level, options.bytes);
     return decode_quads(options.in, options.out, options.level, options.bytes);
 }
 
@@ -262,7 +265,7 @@ Result<Outcome> run(const Decode& options, const Globals& globals) {
         return Error{ErrorCode::InvalidArgument, "--scale and --level exclude each other", ""};
     if (options.bytes && *options.bytes < 1)
         return Error{ErrorCode::InvalidArgument, "--bytes must be at least 1", ""};
-    if (holds_quads(options.in)) return decode_mesh(options);
+    if (holds_quads(options.in) || holds_mesh(options.in)) return decode_any_mesh(options);
     RELIEF_TRY(const codec::RasterFile file, open_relief(options.in, options.bytes));
     auto source = Source::create(file, options);
     if (!source.ok()) return located(source.error(), options.in);
@@ -304,7 +307,7 @@ void add_decode(Program& program) {
         "  relief decode dem.relief dem.tif\n"
         "  relief decode dem.relief overview.tif --level 3\n"
         "  relief decode dem.relief smooth.tif --scale 4 --window 0,0,512,512\n"
-        "  relief decode quads.relief coarse.off --level 1",
+        "  relief decode model.relief coarse.obj --level 2",
         [options, &program] { return run(*options, program.globals); });
     verb->add_option("IN", options->in, "the .relief file")->required();
     verb->add_option("OUT", options->out,

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "command.h"
+#include "mesh_verbs.h"
 #include "quad_verbs.h"
 #include "relief/io/file.h"
 
@@ -160,17 +161,19 @@ class CountingSink final : public ByteSink {
     std::uint64_t bytes_ = 0;
 };
 
-/// A file of a quadrangulation is edited vertex by vertex.
-Result<Outcome> edit_mesh(const Edit& options) {
+/// Meshes are edited vertex by vertex.
+Result<Outcome> edit_any_mesh(const Edit& options) {
     if (!options.script.empty())
         return Error{ErrorCode::InvalidArgument, "--script is for rasters; use --move", options.in};
     if (!options.moves.empty() && !options.level)
         return Error{ErrorCode::InvalidArgument, "--move needs --level K", ""};
-    return edit_quads(options.in, options.out, options.level.value_or(0), options.moves);
+    const int level = options.level.value_or(0);
+    if (holds_mesh(options.in)) return edit_mesh(options.in, options.out, level, options.moves);
+    return edit_quads(options.in, options.out, level, options.moves);
 }
 
 Result<Outcome> run(const Edit& options) {
-    if (holds_quads(options.in)) return edit_mesh(options);
+    if (holds_quads(options.in) || holds_mesh(options.in)) return edit_any_mesh(options);
     RELIEF_TRY(const auto source, io::open_source(options.in));
     const auto opened = codec::RasterFile::open(source);
     if (!opened.ok()) return located(opened.error(), options.in);

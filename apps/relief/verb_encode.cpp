@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "command.h"
+#include "mesh_verbs.h"
 #include "quad_verbs.h"
 #include "relief/io/file.h"
 
@@ -16,6 +17,8 @@ struct Encode {
     bool lossless = false;
     int effort = 1;
     std::string profile = "dense";
+    bool reorder = false;
+    bool repair = false;
 };
 
 Result<codec::Goal> goal_of(const Encode& options) {
@@ -70,8 +73,14 @@ Result<Outcome> run(const Encode& options, const Globals& globals) {
     const Stopwatch watch;
     codec::EncodeOptions encode;
     RELIEF_TRY(encode.goal, goal_of(options));
-    if (is_mesh(options.in))
+    if (is_mesh(options.in)) {
+        RELIEF_TRY(const bool subdivision, is_subdivision(options.in, options.scheme));
+        if (subdivision)
+            return encode_mesh(
+                {options.in, options.out, encode.goal, options.reorder, options.repair},
+                options.scheme, globals);
         return encode_quads(options.in, options.out, options.scheme, encode.goal);
+    }
     RELIEF_TRY(encode.spec, options.scheme.spec());
     encode.effort = static_cast<codec::Effort>(options.effort);
     encode.progress = progress_bar(globals, "encoding");
@@ -92,17 +101,18 @@ Result<Outcome> run(const Encode& options, const Globals& globals) {
 
 void add_encode(Program& program) {
     auto options = std::make_shared<Encode>();
-    CLI::App* verb = add_verb(
-        program, "encode",
-        "Turn a raster or a quad mesh into a .relief file: analyse, choose coefficients, code.",
-        "  relief encode dem.tif dem.relief --max-error 0.5\n"
-        "  relief encode dem.tif dem.relief --rms-error 1 --scheme barycentric --order 2\n"
-        "  relief encode dem.tif small.relief --bytes 20000 --json\n"
-        "  relief encode quads.off quads.relief --max-error 0.01",
-        [options, &program] { return run(*options, program.globals); });
-    verb->add_option("IN", options->in,
-                     "a raster of any format GDAL reads, 1 to 4 bands; or a mesh of quads over the "
-                     "plane, .off, .obj or .ply")
+    CLI::App* verb =
+        add_verb(program, "encode",
+                 "Turn a raster or a mesh into a .relief file: analyse, choose coefficients, code.",
+                 "  relief encode dem.tif dem.relief --max-error 0.5\n"
+                 "  relief encode dem.tif dem.relief --rms-error 1 --scheme barycentric --order 2\n"
+                 "  relief encode dem.tif small.relief --bytes 20000 --json\n"
+                 "  relief encode model.obj model.relief --max-error 0.01",
+                 [options, &program] { return run(*options, program.globals); });
+    verb->add_option(
+            "IN", options->in,
+            "a raster of any format GDAL reads, 1 to 4 bands; or a mesh (.obj, .off, .ply, "
+            ".stl): the subdivision of a coarser one, or quads over the plane")
         ->required();
     verb->add_option("OUT", options->out, "the .relief file")->required();
     options->scheme.add_to(*verb);
@@ -124,6 +134,10 @@ void add_encode(Program& program) {
             "--profile", options->profile,
             "of scheme fvs: dense (default), or fast: several times the speed, about 8 % larger")
         ->check(CLI::IsMember({"fast", "dense"}));
+    verb->add_flag("--reorder", options->reorder,
+                   "meshes: vertices and faces in the order of subdivision, which takes less");
+    verb->add_flag("--repair", options->repair,
+                   "meshes: first mend what is no oriented manifold: see 'relief info'");
 }
 
 }  // namespace relief::cli

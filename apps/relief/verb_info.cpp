@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "command.h"
+#include "mesh_verbs.h"
 #include "quad_verbs.h"
 #include "relief/io/file.h"
 #include "relief/io/file_kind.h"
@@ -160,6 +161,7 @@ void add_info(Program& program) {
             const io::FileKind kind = io::recognise(*path);
             if (kind == io::FileKind::Mesh) return info_of_mesh(*path);
             if (holds_quads(*path)) return info_of_quads(*path);
+            if (holds_mesh(*path)) return info_of_mesh_file(*path);
             if (kind == io::FileKind::Relief) return info_of_relief(*path);
             return info_of_raster(*path, program.globals);
         });

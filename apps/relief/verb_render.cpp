@@ -4,11 +4,14 @@
 #include <cmath>
 
 #include "command.h"
+#include "mesh_verbs.h"
 #include "quad_verbs.h"
 #include "relief/io/file_kind.h"
+#include "relief/io/mesh_picture.h"
 #include "relief/io/picture.h"
 #include "relief/io/png.h"
 #include "relief/io/wireframe.h"
+#include "relief/mesh/closest.h"
 #include "relief/multires/surface.h"
 
 namespace relief::cli {
@@ -29,6 +32,8 @@ struct Render {
     double scale = 0;
     bool multidirectional = false;
     std::string caption;
+    std::string up = "z";
+    std::optional<double> viewer;
 };
 
 io::Mask mask_of(const Raster& raster) {
@@ -153,13 +158,56 @@ Result<io::Image> draw(const Render& options, const Raster& raster, const Global
     return io::hillshade(z, mask_of(raster), cell, picture);
 }
 
+/// Meshes in perspective; the net of a level over the finest surface.
+Result<io::Image> draw_polygons(const Render& options) {
+    const bool relief_file = io::recognise(options.in) == io::FileKind::Relief;
+    const bool net_only = options.level && options.style != "wire";
+    RELIEF_TRY(const PolygonMesh mesh, read_polygons(options.in, net_only ? *options.level : 0));
+    io::MeshPictureOptions picture;
+    picture.width = options.width > 0 ? options.width : 1200;
+    picture.up = options.up == "y" ? io::UpAxis::Y : io::UpAxis::Z;
+    if (options.viewer) picture.azimuth = *options.viewer;
+    PolygonMesh net;
+    std::vector<double> distances;
+    if (options.style == "wire" && relief_file && options.level) {
+        RELIEF_TRY(net, read_polygons(options.in, *options.level));
+        picture.net = &net;
+    } else if (options.style == "wire") {
+        picture.edges.width = 1;
+    }
+    if (options.style == "error") {
+        if (options.reference.empty())
+            return Error{ErrorCode::InvalidArgument, "--style error needs --reference FILE", ""};
+        RELIEF_TRY(const PolygonMesh reference, read_polygons(options.reference));
+        const mesh::TriangleTree tree(mesh::fan_triangles(reference));
+        if (tree.empty())
+            return Error{ErrorCode::BadInput, "has no faces to measure from", options.reference};
+        distances = mesh::vertex_distances(mesh, tree);
+        picture.values = distances;
+        picture.scale = options.scale;
+    }
+    return io::draw_mesh(mesh, picture);
+}
+
+Outcome picture_outcome(const std::string& out, const io::Image& image) {
+    Outcome outcome;
+    outcome.json = Json{{"width", image.width}, {"height", image.height}};
+    outcome.text = fmt::format("{}: {} x {} pixels\n", out, image.width, image.height);
+    return outcome;
+}
+
+Result<Outcome> run_mesh(const Render& options) {
+    if (!options.drape.empty())
+        return Error{ErrorCode::InvalidArgument, "--drape is for rasters", ""};
+    auto image = draw_polygons(options);
+    if (!image.ok()) return image.error();
+    if (!options.caption.empty()) image = io::with_caption(*image, options.caption);
+    RELIEF_CHECK(io::write_png(options.out, *image));
+    return picture_outcome(options.out, *image);
+}
+
 Result<Outcome> run(const Render& options, const Globals& globals) {
-    if (is_mesh(options.in))
-        return Error{
-            ErrorCode::Unsupported,
-            "is a mesh; pictures are drawn of rasters. Evaluate it on a grid of points with "
-            "'relief eval' first",
-            options.in};
+    if (is_mesh(options.in)) return run_mesh(options);
     io::Image image;
     const bool relief_file = io::recognise(options.in) == io::FileKind::Relief;
     if (options.level && !relief_file)
@@ -180,22 +228,21 @@ Result<Outcome> run(const Render& options, const Globals& globals) {
     }
     if (!options.caption.empty()) image = io::with_caption(image, options.caption);
     RELIEF_CHECK(io::write_png(options.out, image));
-    Outcome outcome;
-    outcome.json = Json{{"width", image.width}, {"height", image.height}};
-    outcome.text = fmt::format("{}: {} x {} pixels\n", options.out, image.width, image.height);
-    return outcome;
+    return picture_outcome(options.out, image);
 }
 
 }  // namespace
 
 void add_render(Program& program) {
     auto options = std::make_shared<Render>();
-    CLI::App* verb = add_verb(
-        program, "render", "Draw a raster or a .relief file as a PNG picture, without a screen.",
-        "  relief render dem.relief hills.png --width 1200\n"
-        "  relief render dem.relief error.png --style error --reference dem.tif\n"
-        "  relief render dem.relief net.png --style wire --level 4",
-        [options, &program] { return run(*options, program.globals); });
+    CLI::App* verb =
+        add_verb(program, "render",
+                 "Draw a raster, a mesh or a .relief file as a PNG picture, without a screen.",
+                 "  relief render dem.relief hills.png --width 1200\n"
+                 "  relief render dem.relief error.png --style error --reference dem.tif\n"
+                 "  relief render dem.relief net.png --style wire --level 4\n"
+                 "  relief render model.obj model.png --up y",
+                 [options, &program] { return run(*options, program.globals); });
     verb->add_option("IN", options->in,
                      "a raster or a .relief file; three bands are drawn as a surface in space by "
                      "wire and surface")
@@ -225,6 +272,10 @@ void add_render(Program& program) {
     verb->add_option("--altitude", options->altitude,
                      "of the light, degrees above the horizon (default 45)");
     verb->add_flag("--multidirectional", options->multidirectional, "four lights instead of one");
+    verb->add_option("--up", options->up, "meshes: the axis that points up, z (default) or y")
+        ->check(CLI::IsMember({"y", "z"}));
+    verb->add_option("--viewer", options->viewer,
+                     "meshes: where the viewer stands, degrees clockwise from north (default 215)");
     verb->add_option("--caption", options->caption,
                      "a line of text below the picture: lower-case letters, digits, + - . , : / %");
 }

@@ -141,7 +141,7 @@ class RoundTrips(Quads):
                     self.assertEqual(decoded, mesh)
                     self.assertEqual(decode["bytes_read"], report["bytes"])
                     same = self.json("compare", source, file)
-                    self.assertEqual((same["samples"], same["max_error"], same["quads_differ"]),
+                    self.assertEqual((same["samples"], same["max_error"], same["faces_differ"]),
                                      (len(mesh[0]), 0, False))
                     self.assertIsNone(same["psnr_db"])
 

@@ -1,0 +1,432 @@
+#include "mesh_verbs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+#include "quad_verbs.h"
+#include "relief/io/file.h"
+#include "relief/io/file_kind.h"
+#include "relief/io/mesh.h"
+#include "relief/mesh/closest.h"
+#include "relief/mesh/repair.h"
+
+namespace relief::cli {
+
+namespace {
+
+using multires::MeshScheme;
+
+/// Options of other schemes.
+Status check_scheme(const SchemeOptions& scheme) {
+    SchemeOptions plain;
+    const bool untouched = scheme.order == plain.order && scheme.family == plain.family &&
+                           scheme.dual == plain.dual && scheme.map == plain.map && !scheme.exact;
+    if (!untouched)
+        return Error{ErrorCode::InvalidArgument,
+                     "--order, --family, --dual, --map and --exact are for rasters", ""};
+    if (scheme.levels < -1)
+        return Error{ErrorCode::InvalidArgument, "--levels must not be negative", ""};
+    return {};
+}
+
+std::string text_of(const std::string& out, const codec::MeshReport& report) {
+    std::string text = fmt::format(
+        "{}: {} vertices, {} faces -> {} bytes, {:.4g} bits a vertex\n"
+        "scheme {}, {} levels over {} faces; {} of {} vectors kept\n"
+        "vertices: max error {}, rms error {}\n",
+        out, grouped(report.samples), grouped(report.faces),
+        grouped(static_cast<std::int64_t>(report.bytes)), report.bits_per_sample,
+        multires::mesh_scheme_name(report.scheme), report.levels, grouped(report.base_faces),
+        grouped(report.kept), grouped(report.coefficients), shown(report.max_error),
+        shown(report.rms_error));
+    if (report.lost_creases > 0)
+        text += fmt::format(
+            "warning: crease_without_parent: {} sharp edges are no part of sharp edges of the "
+            "coarser meshes; they stay sharp at the finest level only\n",
+            report.lost_creases);
+    return text;
+}
+
+std::string text_of(const mesh::RepairCounts& counts) {
+    if (counts.nothing()) return "nothing had to be repaired\n";
+    std::string text = "repaired:";
+    const auto say = [&](std::uint64_t count, const char* what) {
+        if (count > 0)
+            text += fmt::format(" {} {},", grouped(static_cast<std::int64_t>(count)), what);
+    };
+    say(counts.faces_dropped, "bad faces dropped");
+    say(counts.duplicates_dropped, "duplicate faces dropped");
+    say(counts.corners_dropped, "repeated corners dropped");
+    say(counts.faces_added, "faces cut at a repeated corner");
+    say(counts.faces_turned, "faces turned");
+    say(counts.edges_cut, "edges cut");
+    say(counts.edges_split, "edges split");
+    say(counts.vertices_added, "vertices split");
+    say(counts.vertices_dropped, "unused vertices dropped");
+    text.back() = '\n';
+    return text;
+}
+
+struct Box {
+    std::array<double, 3> low{INFINITY, INFINITY, INFINITY};
+    std::array<double, 3> high{-INFINITY, -INFINITY, -INFINITY};
+
+    explicit Box(const PolygonMesh& mesh) {
+        for (const auto& v : mesh.vertices)
+            for (std::size_t k = 0; k < 3; ++k) {
+                low[k] = std::min(low[k], v[k]);
+                high[k] = std::max(high[k], v[k]);
+            }
+    }
+    [[nodiscard]] double diagonal() const {
+        return std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+    }
+    [[nodiscard]] double largest_side() const {
+        return std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
+    }
+};
+
+Result<codec::MeshMove> parse_move(const std::string& text, int level) {
+    codec::MeshMove move{level, 0, {}};
+    const char* at = text.data();
+    const char* end = at + text.size();
+    const auto index = std::from_chars(at, end, move.vertex);
+    bool good = index.ec == std::errc();
+    at = index.ptr;
+    for (std::size_t k = 0; k < 3 && good; ++k) {
+        good = at != end && *at == (k == 0 ? ':' : ',');
+        if (!good) break;
+        const auto number = std::from_chars(at + 1, end, move.delta[k]);
+        good = number.ec == std::errc();
+        at = number.ptr;
+    }
+    if (good && at == end) return move;
+    return Error{ErrorCode::InvalidArgument,
+                 "--move of a mesh takes INDEX:DX,DY,DZ, not '" + text + "'", ""};
+}
+
+}  // namespace
+
+bool holds_mesh(const std::string& path) {
+    if (io::recognise(path) != io::FileKind::Relief) return false;
+    const auto source = io::open_source(path);
+    if (!source.ok()) return false;
+    const auto content = codec::content_of(*source);
+    return content.ok() && *content == "mesh";
+}
+
+Result<codec::MeshFile> open_mesh_file(const std::string& path,
+                                       std::optional<std::uint64_t> max_bytes) {
+    RELIEF_TRY(const auto source, io::open_source(path));
+    auto file = codec::MeshFile::open(
+        source, max_bytes.value_or(std::numeric_limits<std::uint64_t>::max()));
+    if (!file.ok()) return located(file.error(), path);
+    return file;
+}
+
+Result<PolygonMesh> read_polygons(const std::string& path, int level) {
+    if (holds_mesh(path)) {
+        RELIEF_TRY(const codec::MeshFile file, open_mesh_file(path));
+        auto mesh = file.decode(level);
+        if (!mesh.ok()) return located(mesh.error(), path);
+        return mesh;
+    }
+    if (holds_quads(path)) {
+        RELIEF_TRY(const codec::QuadFile file, open_quads(path));
+        auto mesh = file.decode(level);
+        if (!mesh.ok()) return located(mesh.error(), path);
+        return polygons_of(*mesh);
+    }
+    if (level != 0) return Error{ErrorCode::InvalidArgument, "--level needs a .relief file", path};
+    RELIEF_TRY(io::LoadedMesh loaded, io::read_mesh(path));
+    return std::move(loaded.mesh);
+}
+
+Result<MeshScheme> mesh_scheme(const std::string& name) {
+    for (const MeshScheme scheme : {MeshScheme::Sqrt3, MeshScheme::Loop, MeshScheme::CatmullClark})
+        if (name == multires::mesh_scheme_name(scheme)) return scheme;
+    return Error{ErrorCode::InvalidArgument,
+                 "meshes have the schemes loop, sqrt3 and catmull-clark, and quads over the plane "
+                 "fvs; not " +
+                     name,
+                 ""};
+}
+
+Result<bool> is_subdivision(const std::string& path, const SchemeOptions& scheme) {
+    if (!scheme.scheme.empty()) return scheme.scheme != "fvs";
+    if (holds_mesh(path)) return true;
+    if (holds_quads(path)) return false;
+    RELIEF_TRY(const io::LoadedMesh loaded, io::read_mesh(path));
+    const PolygonMesh& mesh = loaded.mesh;
+    std::vector<Vec2> places;
+    std::vector<std::array<mesh::Index, 4>> quads;
+    for (const auto& v : mesh.vertices) places.push_back({v[0], v[1]});
+    for (std::int64_t f = 0; f < mesh.polygon_count(); ++f) {
+        const auto polygon = mesh.polygon(f);
+        if (polygon.size() != 4) return true;
+        auto& quad = quads.emplace_back();
+        std::copy(polygon.begin(), polygon.end(), quad.begin());
+    }
+    const auto plane = mesh::build(places, quads);
+    if (plane.ok()) return false;
+    // Quads that are to be fvs but have a flaw are told so by it; closed surfaces are not meant to.
+    const bool flawed = plane.error().message.find("clockwise") == std::string::npos &&
+                        plane.error().message.find("not_strictly_convex") == std::string::npos;
+    return !flawed;
+}
+
+Result<Outcome> encode_mesh(const MeshEncodeVerb& verb, const SchemeOptions& scheme,
+                            const Globals& globals) {
+    const Stopwatch watch;
+    RELIEF_CHECK(check_scheme(scheme));
+    codec::MeshEncodeOptions options;
+    options.goal = verb.goal;
+    options.levels = scheme.levels;
+    options.keep_order = !verb.reorder;
+    options.progress = progress_bar(globals, "encoding");
+    if (!scheme.scheme.empty()) {
+        RELIEF_TRY(options.scheme, mesh_scheme(scheme.scheme));
+    }
+    RELIEF_TRY(PolygonMesh mesh, read_polygons(verb.in));
+    std::string repairs;
+    if (verb.repair) {
+        mesh::RepairedMesh repaired = mesh::repair(mesh);
+        repairs = text_of(repaired.counts);
+        mesh = std::move(repaired.mesh);
+    }
+    const auto encoded = codec::encode_mesh(mesh, options);
+    if (!encoded.ok()) return located(encoded.error(), verb.in);
+    RELIEF_CHECK(io::write_file_atomically(verb.out, encoded->bytes));
+    const codec::MeshReport& report = encoded->report;
+    Outcome outcome;
+    outcome.json = Json{{"scheme", multires::mesh_scheme_name(report.scheme)},
+                        {"order", nullptr},
+                        {"levels", report.levels}};
+    outcome.json.update(rate_json(report));
+    outcome.json.update(Json{{"faces", report.faces},
+                             {"base_vertices", report.base_vertices},
+                             {"base_faces", report.base_faces},
+                             {"lost_creases", report.lost_creases},
+                             {"seconds", watch.seconds()}});
+    outcome.text = repairs + text_of(verb.out, report);
+    return outcome;
+}
+
+std::string left_out(const std::vector<std::string>& names) {
+    if (names.empty()) return "";
+    return fmt::format("the format can not hold: {}\n", fmt::join(names, ", "));
+}
+
+Result<Outcome> decode_mesh(const std::string& in, const std::string& out, int level,
+                            std::optional<std::uint64_t> max_bytes) {
+    const Stopwatch watch;
+    RELIEF_TRY(const codec::MeshFile file, open_mesh_file(in, max_bytes));
+    const auto mesh = file.decode(level);
+    if (!mesh.ok()) return located(mesh.error(), in);
+    RELIEF_TRY(const auto missing, io::write_mesh(out, *mesh));
+    const std::optional<double> bound = file.bound(level);
+    Outcome outcome;
+    outcome.json = Json{{"samples", mesh->vertices.size()},
+                        {"bytes_read", file.bytes_for(level)},
+                        {"level", level},
+                        {"bound", json_number(bound)},
+                        {"vertices", mesh->vertices.size()},
+                        {"faces", mesh->polygon_count()},
+                        {"finest_level", file.finest_level()},
+                        {"left_out", missing},
+                        {"seconds", watch.seconds()}};
+    outcome.text = fmt::format("{}: {} vertices and {} faces of level {}\n", out,
+                               grouped(static_cast<std::int64_t>(mesh->vertices.size())),
+                               grouped(mesh->polygon_count()), level);
+    if (bound) outcome.text += fmt::format("within {} of the original\n", shown(*bound));
+    outcome.text += left_out(missing);
+    return outcome;
+}
+
+Result<Outcome> info_of_mesh_file(const std::string& path) {
+    RELIEF_TRY(const codec::MeshFile file, open_mesh_file(path));
+    const bool sound = file.checksums_ok();
+    Json levels = Json::array();
+    Json bands = Json::array();
+    std::uint64_t coarser = 0;
+    for (int level = file.levels(); level >= 0; --level) {
+        const mesh::MeshCounts counts = file.counts(level);
+        bands.push_back(Json{{"name", level == file.levels() ? "base" : "details"},
+                             {"level", level},
+                             {"vertices", counts.vertices - coarser}});
+        coarser = counts.vertices;
+    }
+    for (int level = 0; level <= file.levels(); ++level) {
+        const mesh::MeshCounts counts = file.counts(level);
+        levels.push_back(Json{{"level", level},
+                              {"vertices", counts.vertices},
+                              {"faces", counts.faces},
+                              {"bytes", file.bytes_for(level)},
+                              {"bound", json_number(file.bound(level))}});
+    }
+    const char* scheme = multires::mesh_scheme_name(file.spec().scheme);
+    Outcome outcome;
+    outcome.json = Json{{"format", "relief"},
+                        {"content", "mesh"},
+                        {"version", file.version()},
+                        {"scheme", scheme},
+                        {"order", nullptr},
+                        {"levels", file.levels()},
+                        {"lossless", file.lossless()},
+                        {"step", json_number(file.step())},
+                        {"bands", bands},
+                        {"level_list", levels},
+                        {"chunks", chunks_json(file)},
+                        {"bytes", file.size()},
+                        {"max_error", json_number(file.max_error())},
+                        {"rms_error", json_number(file.rms_error())},
+                        {"bound", json_number(file.bound(0))},
+                        {"edits", file.moves().size()},
+                        {"crs", ""},
+                        {"extent", nullptr},
+                        {"checksums_ok", sound}};
+    outcome.text = fmt::format(
+        "{}: relief version {}, {} bytes, checksums {}\n"
+        "mesh of {} vertices and {} faces, scheme {}, {} levels{}\n",
+        path, file.version(), grouped(static_cast<std::int64_t>(file.size())),
+        sound ? "hold" : "DO NOT HOLD", grouped(static_cast<std::int64_t>(file.counts(0).vertices)),
+        grouped(static_cast<std::int64_t>(file.counts(0).faces)), scheme, file.levels(),
+        file.lossless() ? ", lossless" : "");
+    if (file.edited())
+        outcome.text += fmt::format("edited by {} move{}\n", file.moves().size(),
+                                    file.moves().size() == 1 ? "" : "s");
+    else
+        outcome.text += fmt::format("vertices within {} of the original (rms {})\n",
+                                    shown(file.max_error()), shown(file.rms_error()));
+    outcome.text += "level     vertices        faces      bytes to read\n";
+    for (const Json& level : levels)
+        outcome.text += fmt::format("{:5} {:>12} {:>12} {:>18}\n", level["level"].get<int>(),
+                                    grouped(level["vertices"].get<std::int64_t>()),
+                                    grouped(level["faces"].get<std::int64_t>()),
+                                    grouped(level["bytes"].get<std::int64_t>()));
+    return outcome;
+}
+
+namespace {
+
+Result<Outcome> compare_surfaces(const PolygonMesh& a, const PolygonMesh& b) {
+    RELIEF_TRY(const mesh::SurfaceDistance distance, mesh::surface_distance(a, b));
+    const double rms = distance.rms();
+    const auto directed = [](const mesh::DirectedDistance& d) {
+        return Json{{"max_error", json_number(d.largest)}, {"rms_error", json_number(d.rms)}};
+    };
+    Outcome outcome;
+    outcome.json = Json{{"samples", 2 * 60000},
+                        {"max_error", json_number(distance.largest())},
+                        {"rms_error", json_number(rms)},
+                        {"mean_square", json_number(rms * rms)},
+                        {"psnr_db", json_number(20 * std::log10(Box(a).diagonal() / rms))},
+                        {"energy_percent", nullptr},
+                        {"diagonal", json_number(Box(a).diagonal())},
+                        {"a_to_b", directed(distance.a_to_b)},
+                        {"b_to_a", directed(distance.b_to_a)}};
+    outcome.text = fmt::format(
+        "surfaces: max distance {} (there {}, back {}), rms distance {} (there {}, back {}); "
+        "diagonal {}\n",
+        shown(distance.largest()), shown(distance.a_to_b.largest), shown(distance.b_to_a.largest),
+        shown(rms), shown(distance.a_to_b.rms), shown(distance.b_to_a.rms),
+        shown(Box(a).diagonal()));
+    return outcome;
+}
+
+}  // namespace
+
+Result<Outcome> compare_meshes(const std::string& path_a, const std::string& path_b, bool surface) {
+    const std::string both = path_a + " and " + path_b;
+    if (!is_mesh(path_a) || !is_mesh(path_b))
+        return Error{ErrorCode::BadInput, "a mesh and a raster can not be compared", both};
+    RELIEF_TRY(const PolygonMesh a, read_polygons(path_a));
+    RELIEF_TRY(const PolygonMesh b, read_polygons(path_b));
+    if (surface) {
+        auto outcome = compare_surfaces(a, b);
+        if (!outcome.ok()) return located(outcome.error(), both);
+        return outcome;
+    }
+    if (a.vertices.size() != b.vertices.size())
+        return Error{ErrorCode::BadInput,
+                     fmt::format("have {} and {} vertices; they are compared vertex by vertex; "
+                                 "'--surface' measures the distance of the surfaces",
+                                 a.vertices.size(), b.vertices.size()),
+                     both};
+    double most = 0;
+    double sum = 0;
+    std::size_t worst = 0;
+    for (std::size_t v = 0; v < a.vertices.size(); ++v) {
+        double square = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            square += std::pow(a.vertices[v][k] - b.vertices[v][k], 2);
+        sum += square;
+        if (std::sqrt(square) > most) worst = v;
+        most = std::max(most, std::sqrt(square));
+    }
+    const Box box(a);
+    const double mean = a.vertices.empty() ? 0 : sum / static_cast<double>(a.vertices.size());
+    const bool differ = a.offsets != b.offsets || a.corners != b.corners;
+    Outcome outcome;
+    outcome.json =
+        Json{{"samples", a.vertices.size()},
+             {"max_error", json_number(most)},
+             {"rms_error", json_number(std::sqrt(mean))},
+             {"mean_square", json_number(mean)},
+             {"psnr_db", json_number(20 * std::log10(box.largest_side() / std::sqrt(mean)))},
+             {"energy_percent", nullptr},
+             {"diagonal", json_number(box.diagonal())},
+             {"worst", Json{{"vertex", worst}}},
+             {"faces_differ", differ}};
+    outcome.text = fmt::format("{} vertices: max error {} at vertex {}; rms error {}\n",
+                               grouped(static_cast<std::int64_t>(a.vertices.size())), shown(most),
+                               worst, shown(std::sqrt(mean)));
+    if (differ) outcome.text += "the faces differ\n";
+    return outcome;
+}
+
+Result<Outcome> edit_mesh(const std::string& in, const std::string& out, int level,
+                          const std::vector<std::string>& texts) {
+    std::vector<codec::MeshMove> moves;
+    for (const std::string& text : texts) {
+        RELIEF_TRY(const codec::MeshMove move, parse_move(text, level));
+        moves.push_back(move);
+    }
+    if (moves.empty())
+        return Error{ErrorCode::InvalidArgument,
+                     "nothing to do; give --level K --move INDEX:DX,DY,DZ", ""};
+    RELIEF_TRY(Bytes bytes, io::read_file(in));
+    const auto edited = codec::add_mesh_moves(std::move(bytes), moves);
+    if (!edited.ok()) return located(edited.error(), in);
+    const auto after_file = codec::MeshFile::open(*edited);
+    if (!after_file.ok()) return located(after_file.error(), in);
+    RELIEF_TRY(const PolygonMesh before, read_polygons(in));
+    const auto after = after_file->decode(0);
+    if (!after.ok()) return located(after.error(), in);
+    RELIEF_CHECK(io::write_file_atomically(out, *edited));
+    PolygonMesh touched;
+    for (std::size_t v = 0; v < before.vertices.size(); ++v)
+        if (before.vertices[v] != after->vertices[v])
+            touched.vertices.push_back(after->vertices[v]);
+    const Box box(touched);
+    const Json bounds = touched.vertices.empty()
+                            ? Json(nullptr)
+                            : Json::array({box.low[0], box.low[1], box.low[2], box.high[0],
+                                           box.high[1], box.high[2]});
+    Outcome outcome;
+    outcome.json = Json{{"moved", moves.size()},
+                        {"touched", touched.vertices.size()},
+                        {"bounds", bounds},
+                        {"edits", after_file->moves().size()},
+                        {"bytes", edited->size()}};
+    outcome.text =
+        fmt::format("{}: {} vertices of level {} moved, {} vertices touched\n", out, moves.size(),
+                    level, grouped(static_cast<std::int64_t>(touched.vertices.size())));
+    return outcome;
+}
+
+}  // namespace relief::cli
