@@ -3,8 +3,11 @@
 #include <algorithm>
 
 #include "command.h"
+#include "relief/io/file_kind.h"
+#include "relief/io/mesh.h"
 #include "relief/io/raster.h"
 #include "relief/io/synthetic.h"
+#include "relief/io/synthetic_mesh.h"
 
 namespace relief::cli {
 
@@ -23,9 +26,20 @@ std::string known_names() {
     return known;
 }
 
+Result<Outcome> run_mesh(const Sample& options) {
+    RELIEF_TRY(const PolygonMesh mesh, io::synthetic_mesh(options.name, options.surface.size));
+    RELIEF_TRY(const auto missing, io::write_mesh(options.out, mesh));
+    Outcome outcome;
+    outcome.json = Json{{"samples", mesh.vertices.size()}, {"faces", mesh.polygon_count()}};
+    outcome.text = fmt::format("{}: {} vertices and {} faces of a {}\n", options.out,
+                               mesh.vertices.size(), mesh.polygon_count(), options.name);
+    return outcome;
+}
+
 Result<Outcome> run(const Sample& options, const Globals& globals) {
     // "terrain" is what people ask for; ridged noise is what it is.
     const std::string name = options.name == "terrain" ? "ridged" : options.name;
+    if (io::names_mesh(options.out)) return run_mesh(options);
     RELIEF_TRY(const Raster raster, io::synthetic(name, options.surface));
     RELIEF_CHECK(
         io::write_raster(options.out, raster, {.progress = progress_bar(globals, "writing")}));
@@ -46,10 +60,14 @@ void add_sample(Program& program) {
     CLI::App* verb = add_verb(program, "sample",
                               "Write a synthetic surface to try things on: " + known_names() + ".",
                               "  relief sample ridged mountains.tif --size 1025 --seed 7\n"
-                              "  relief sample franke franke.tif --size 257",
+                              "  relief sample franke franke.tif --size 257\n"
+                              "  relief sample icosahedron icosahedron.obj",
                               [options, &program] { return run(*options, program.globals); });
     verb->add_option("NAME", options->name, known_names() + " (terrain is ridged)")->required();
-    verb->add_option("OUT", options->out, "the raster; its extension names the format")->required();
+    verb->add_option("OUT", options->out,
+                     "the raster or mesh; its extension names the format. Meshes are cube, "
+                     "octahedron, icosahedron, torus")
+        ->required();
     verb->add_option("--size", options->surface.size, "samples a side (default 513)");
     verb->add_option("--seed", options->surface.seed, "which terrain (ridged)");
 }

@@ -22,7 +22,8 @@ class WrongUsage(Case):
     def test_help_and_version(self):
         self.assertRegex(self.text("--version"), r"\Arelief \d+\.\d+\.\d+\n\Z")
         self.assertIn("Exit status", self.text("--help"))
-        for verb in ("encode", "decode", "info", "compare", "eval", "edit", "render", "sample"):
+        for verb in ("encode", "decode", "info", "compare", "eval", "edit", "render", "sample",
+                     "subdivide"):
             text = self.text(verb, "--help")
             self.assertIn(f"relief {verb} ", text.split("Examples:")[1])
             for option in ("--json", "--quiet", "--verbose", "--threads"):

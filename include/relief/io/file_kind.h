@@ -13,4 +13,7 @@ enum class FileKind : std::uint8_t { Relief, Raster, Mesh, Points, Unknown };
 /// Never writes or prints.
 [[nodiscard]] FileKind recognise(const std::string& path);
 
+/// Whether a file of this name is to be a mesh: .obj .off .ply .stl .glb.
+[[nodiscard]] bool names_mesh(const std::string& path);
+
 }  // namespace relief::io
