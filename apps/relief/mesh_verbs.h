@@ -32,8 +32,8 @@ struct MeshEncodeVerb {
     bool reorder = false;
     bool repair = false;
 };
-/// Whether `encode` takes a mesh as a subdivision surface: it is asked to, or the mesh is no
-/// quadrangulation of the plane.
+/// Whether `encode` takes a mesh as a subdivision surface: it is asked to, or the mesh is not made
+/// of quads over the plane.
 [[nodiscard]] Result<bool> is_subdivision(const std::string& path, const SchemeOptions& scheme);
 [[nodiscard]] Result<Outcome> encode_mesh(const MeshEncodeVerb& verb, const SchemeOptions& scheme,
                                           const Globals& globals);

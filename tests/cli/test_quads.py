@@ -336,7 +336,7 @@ class BadMeshes(Quads):
         path = self.path("mesh.off")
         with open(path, "w", encoding="ascii") as file:
             file.write("OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n")
-        self.refuse(1, "encode", path, self.path("no.relief"),
+        self.refuse(1, "encode", path, self.path("no.relief"), "--scheme", "fvs",
                     says=("not_a_quad", f"{path}, polygon 0"))
 
     def test_options_of_rasters(self):
@@ -348,8 +348,6 @@ class BadMeshes(Quads):
         file, _ = self.encoded(source)
         self.refuse(2, "decode", file, self.path("no.off"), "--scale", 2, says="rasters")
         self.refuse(2, "decode", file, self.path("no.xyz"), says=".obj, .off, .ply, .stl or .glb")
-        self.refuse(1, "render", file, self.path("no.png"), says="mesh")
-        self.refuse(1, "compare", source, file, "--surface", says="surfaces")
 
     def test_damaged_files(self):
         file, _ = self.encoded(self.mesh(refined(grid(3, 3, wavy), wavy)), "--max-error", 0.1)
