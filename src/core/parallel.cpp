@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <thread>
+#include <vector>
 
 #if RELIEF_HAS_TBB
 #include <oneapi/tbb/global_control.h>
@@ -13,8 +14,34 @@
 namespace relief {
 
 namespace {
+
 std::atomic<int> g_threads{0};
+
+#if RELIEF_PLAIN_THREADS
+/// Threads of the standard library, started for each loop: for checkers of races, which can not see
+/// into oneTBB. Loops inside of loops run in their thread.
+template <class Block>
+void run_on_threads(std::int64_t blocks, const Block& block) {
+    thread_local bool inside = false;
+    if (inside) {
+        for (std::int64_t b = 0; b < blocks; ++b) block(b);
+        return;
+    }
+    std::atomic<std::int64_t> next{0};
+    const auto work = [&] {
+        inside = true;
+        for (std::int64_t b = next++; b < blocks; b = next++) block(b);
+        inside = false;
+    };
+    std::vector<std::thread> threads;
+    const std::int64_t count = std::min<std::int64_t>(blocks, thread_count());
+    for (std::int64_t k = 1; k < count; ++k) threads.emplace_back(work);
+    work();
+    for (std::thread& thread : threads) thread.join();
 }
+#endif
+
+}  // namespace
 
 void set_thread_count(int threads) {
     g_threads = std::max(0, threads);
@@ -45,6 +72,9 @@ void parallel_for_blocks(std::int64_t begin, std::int64_t end, std::int64_t grai
             [&] { tbb::parallel_for(std::int64_t{0}, blocks, block, tbb::simple_partitioner()); });
         return;
     }
+#endif
+#if RELIEF_PLAIN_THREADS
+    if (blocks > 1 && thread_count() > 1) return run_on_threads(blocks, block);
 #endif
     for (std::int64_t b = 0; b < blocks; ++b) block(b);
 }
