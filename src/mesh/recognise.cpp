@@ -19,7 +19,10 @@ constexpr const char* kBadVertex =
 constexpr const char* kBadCoarse = "the coarser faces would repeat a corner or share an edge twice";
 
 /// Which roles faces give to a vertex; each has one.
-enum Role : std::uint8_t { kOld = 1, kEdgePoint = 2, kFacePoint = 4 };
+using Role = std::uint8_t;
+constexpr Role kOld = 1;
+constexpr Role kEdgePoint = 2;
+constexpr Role kFacePoint = 4;
 
 Role role_of(Split split, Label label, Index corner) {
     if (split == Split::CatmullClark) {

@@ -173,13 +173,17 @@ Result<std::vector<Vec3<T>>> limit_normals(const Topology& mesh, std::span<const
                           });
 }
 
-#define RELIEF_LIMITS(T)                                                                           \
-    template Result<std::vector<Vec3<T>>> limit_points(const Topology&, std::span<const Vec3<T>>,  \
-                                                       const Sharpness&, MeshScheme);              \
-    template Result<std::vector<Vec3<T>>> limit_normals(const Topology&, std::span<const Vec3<T>>, \
+template Result<std::vector<Vec3<float>>> limit_points(const Topology&,
+                                                       std::span<const Vec3<float>>,
+                                                       const Sharpness&, MeshScheme);
+template Result<std::vector<Vec3<double>>> limit_points(const Topology&,
+                                                        std::span<const Vec3<double>>,
                                                         const Sharpness&, MeshScheme);
-RELIEF_LIMITS(float)
-RELIEF_LIMITS(double)
-#undef RELIEF_LIMITS
+template Result<std::vector<Vec3<float>>> limit_normals(const Topology&,
+                                                        std::span<const Vec3<float>>,
+                                                        const Sharpness&, MeshScheme);
+template Result<std::vector<Vec3<double>>> limit_normals(const Topology&,
+                                                         std::span<const Vec3<double>>,
+                                                         const Sharpness&, MeshScheme);
 
 }  // namespace relief::multires

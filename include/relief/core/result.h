@@ -84,6 +84,7 @@ using Status = Result<void>;
     if (auto relief_status = (expression); !relief_status.ok()) return relief_status.error(); \
     static_assert(true)
 
+// NOLINTBEGIN(bugprone-macro-parentheses): what is declared can not stand in parentheses.
 /// `RELIEF_TRY(auto x, f());` declares x from the value of f(), or returns its error.
 #define RELIEF_TRY(declaration, expression) \
     RELIEF_TRY_INNER(RELIEF_CONCAT(relief_result_, __LINE__), declaration, expression)
@@ -91,3 +92,4 @@ using Status = Result<void>;
     auto name = (expression);                           \
     if (!name.ok()) return name.error();                \
     declaration = *std::move(name)
+// NOLINTEND(bugprone-macro-parentheses)

@@ -89,9 +89,9 @@ struct Pyramid {
     std::vector<Planes<T>> bands;
 
     /// All bands allocated, not initialised.
-    static Pyramid allocate(PyramidLayout layout) {
+    static Pyramid allocate(const PyramidLayout& layout) {
         Pyramid p;
-        p.layout = std::move(layout);
+        p.layout = layout;
         for (const BandLayout& band : p.layout.bands) {
             Planes<T> planes;
             for (int c = 0; c < p.layout.components; ++c)
