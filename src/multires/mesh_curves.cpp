@@ -102,10 +102,13 @@ void MeshCurves::add_row(bool is_new, Index fine,
     if (!row.weights.empty()) rows_.push_back(std::move(row));
 }
 
+void MeshCurves::add_old_row(Index v, const rules::CurveRule& mask) {
+    add_row(false, v, {{v, mask.self}, {beside_[v][0], mask.point}, {beside_[v][1], mask.point}});
+}
+
 void MeshCurves::add_dyadic_rows(const MeshStep<double>& step) {
     const mesh::Topology& mesh = step.coarse();
-    for (const Index v : vertices_)
-        add_row(false, v, {{v, 3.0 / 4}, {beside_[v][0], 1.0 / 8}, {beside_[v][1], 1.0 / 8}});
+    for (const Index v : vertices_) add_old_row(v, rules::kDyadicMask);
     mesh::each_edge(mesh, [&](Index h, Index next, Index) {
         if (is_sharp(step, h))
             add_row(true, mesh.edge[h],
@@ -115,8 +118,7 @@ void MeshCurves::add_dyadic_rows(const MeshStep<double>& step) {
 }
 
 void MeshCurves::add_ternary_rows(const MeshStep<double>& step) {
-    for (const Index v : vertices_)
-        add_row(false, v, {{v, 19.0 / 27}, {beside_[v][0], 4.0 / 27}, {beside_[v][1], 4.0 / 27}});
+    for (const Index v : vertices_) add_old_row(v, rules::kTernaryMask);
     const auto add_near = [&](Index point, Index near, Index far, Index beyond, bool corner) {
         if (corner)
             return add_row(true, point,

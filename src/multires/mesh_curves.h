@@ -35,6 +35,7 @@ class MeshCurves {
     void order_vertices(const MeshStep<double>& step);
     void add_dyadic_rows(const MeshStep<double>& step);
     void add_ternary_rows(const MeshStep<double>& step);
+    void add_old_row(mesh::Index v, const rules::CurveRule& mask);
     void add_row(bool is_new, mesh::Index fine,
                  std::initializer_list<std::pair<mesh::Index, double>> weights);
 

@@ -123,7 +123,8 @@ Vec3<T> placed(const SharpVertices::Vertex& v, VertexKind kind, int age, const V
     Vec3<T> ends;
     for (const auto& spoke : v.spokes)
         if ((age == 0 ? spoke.sharpness : softened(spoke.sharpness)) > 0) ends += c[spoke.target];
-    return T{0.75} * c[v.vertex] + T{0.125} * ends;
+    return static_cast<T>(rules::kDyadicMask.self) * c[v.vertex] +
+           static_cast<T>(rules::kDyadicMask.point) * ends;
 }
 
 /// One array through one step: the smooth rules everywhere, then what is sharp.

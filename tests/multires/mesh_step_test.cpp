@@ -42,6 +42,18 @@ TEST(SubdivisionRules, ReferenceTables) {
     }
 }
 
+/// Both forms of the rules of curves say the same: new points are made of old ones.
+TEST(SubdivisionRules, CurvesInBothForms) {
+    using namespace rules;
+    EXPECT_NEAR(kDyadicCurve.self + 2 * kDyadicCurve.point * kSharpEdgeEnd, kDyadicMask.self,
+                1e-15);
+    EXPECT_NEAR(kDyadicCurve.point * kSharpEdgeEnd, kDyadicMask.point, 1e-15);
+    const double beside = kTernaryCurve.point * (kThirdFar + kThirdBeyond);
+    EXPECT_NEAR(kTernaryCurve.self + 2 * kTernaryCurve.point * kThirdNear, kTernaryMask.self,
+                1e-15);
+    EXPECT_NEAR(beside, kTernaryMask.point, 1e-15);
+}
+
 /// D + (all of K) = 1: constants stay.
 TEST(SubdivisionRules, WeightsAddUp) {
     for (Index n = 2; n < 40; ++n) {

@@ -53,6 +53,10 @@ struct CurveRule {
 inline constexpr CurveRule kDyadicCurve{1.0 / 2, 1.0 / 4};
 inline constexpr CurveRule kTernaryCurve{3.0 / 11, 4.0 / 11};
 
+/// The same rules in their classical form: the vertex itself, and each of the two beside it.
+inline constexpr CurveRule kDyadicMask{3.0 / 4, 1.0 / 8};
+inline constexpr CurveRule kTernaryMask{19.0 / 27, 4.0 / 27};
+
 /// Old vertices that are smooth: D, and K for each new vertex on an edge and on a face at it.
 struct SmoothRule {
     double self = 1;
