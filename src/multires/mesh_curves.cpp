@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "relief/mesh/walk.h"
+#include "multires/mesh_points.h"
 
 namespace relief::multires {
 
@@ -14,12 +14,6 @@ using mesh::kNone;
 constexpr std::size_t kNoPlace = ~std::size_t{0};
 /// Rows reach two neighbours; a closed curve that is folded has these four places away.
 constexpr std::size_t kHalfWidth = 4;
-
-bool is_sharp(const MeshStep<double>& step, Index h) {
-    const auto& sharp = step.rules().sharp;
-    const mesh::Topology& mesh = step.coarse();
-    return mesh.on_boundary(h) || (!sharp.empty() && sharp[mesh.edge[h]] != 0);
-}
 
 }  // namespace
 
@@ -50,7 +44,7 @@ void MeshCurves::order_vertices(const MeshStep<double>& step) {
     const Index count = mesh.vertex_count;
     beside_.assign(count, {kNone, kNone});
     mesh::each_edge(mesh, [&](Index h, Index next, Index) {
-        if (!is_sharp(step, h)) return;
+        if (!is_sharp(step.rules(), mesh, h)) return;
         const auto link = [&](Index v, Index w) {
             if (step.rules().kinds[v] == VertexKind::Crease)
                 beside_[v][beside_[v][0] == kNone ? 0 : 1] = w;
@@ -110,7 +104,7 @@ void MeshCurves::add_dyadic_rows(const MeshStep<double>& step) {
     const mesh::Topology& mesh = step.coarse();
     for (const Index v : vertices_) add_old_row(v, rules::kDyadicMask);
     mesh::each_edge(mesh, [&](Index h, Index next, Index) {
-        if (is_sharp(step, h))
+        if (is_sharp(step.rules(), mesh, h))
             add_row(true, mesh.edge[h],
                     {{mesh.origin[h], rules::kSharpEdgeEnd},
                      {mesh.origin[next], rules::kSharpEdgeEnd}});

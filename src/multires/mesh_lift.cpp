@@ -26,8 +26,7 @@ std::vector<double> star_weights(const MeshStep<double>& step) {
         return weights;
     const auto share = [&](Index h) { return 1.0 / mesh.size_of(mesh.face_of(h)); };
     mesh::each_edge(mesh, [&](Index h, Index, Index) {
-        const bool sharp =
-            mesh.on_boundary(h) || (!rules.sharp.empty() && rules.sharp[mesh.edge[h]]);
+        const bool sharp = is_sharp(rules, mesh, h);
         double& weight = weights[mesh.edge[h]];
         if (sharp)
             weight = rules::kSharpEdgeEnd;

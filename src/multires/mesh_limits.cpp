@@ -2,7 +2,7 @@
 #include <cmath>
 #include <utility>
 
-#include "relief/mesh/walk.h"
+#include "multires/mesh_points.h"
 #include "relief/multires/subdivide.h"
 
 namespace relief::multires {
@@ -35,7 +35,7 @@ class Limits {
             const Index b = mesh_.origin[next];
             edges[a] += points_[b];
             edges[b] += points_[a];
-            if (!is_sharp(h)) return;
+            if (!is_sharp(rules_, mesh_, h)) return;
             curve[a] += points_[b];
             curve[b] += points_[a];
         });
@@ -72,10 +72,6 @@ class Limits {
     }
 
   private:
-    [[nodiscard]] bool is_sharp(Index h) const {
-        return mesh_.on_boundary(h) || (!rules_.sharp.empty() && rules_.sharp[mesh_.edge[h]] != 0);
-    }
-
     [[nodiscard]] Vec3<T> smooth(Index v, Index n, const Vec3<T>& edges,
                                  const Vec3<T>& across) const {
         const auto count = static_cast<T>(n);

@@ -6,6 +6,11 @@
 /// Which new vertices are around an old one.
 namespace relief::multires {
 
+[[nodiscard]] inline bool is_sharp(const StepRules& rules, const mesh::Topology& mesh,
+                                   mesh::Index h) {
+    return mesh.on_boundary(h) || (!rules.sharp.empty() && rules.sharp[mesh.edge[h]] != 0);
+}
+
 /// The place of the new vertex of a face among the new ones; sqrt(3), Catmull-Clark.
 [[nodiscard]] inline mesh::Index face_point(const mesh::Topology& mesh, const StepRules& rules,
                                             mesh::Index f) {

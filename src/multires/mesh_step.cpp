@@ -20,10 +20,6 @@ constexpr T weight(double w) {
     return static_cast<T>(w);
 }
 
-bool is_sharp(const StepRules& rules, const Topology& mesh, Index h) {
-    return mesh.on_boundary(h) || (!rules.sharp.empty() && rules.sharp[mesh.edge[h]] != 0);
-}
-
 /// Means of the corners of faces, and back.
 template <class T>
 void face_means(const Topology& mesh, const Vec3<T>* c, Vec3<T>* faces) {
