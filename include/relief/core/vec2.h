@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
-/// Points and vectors of the plane, and convex quads. Only operations that IEEE 754 rounds
-/// correctly are used, so results are the same on every machine.
+/// Points and vectors of the plane, triangles and convex quads. Only operations that IEEE 754
+/// rounds correctly are used, so results are the same on every machine.
 namespace relief {
 
 struct Vec2 {
@@ -45,6 +45,14 @@ struct Vec2 {
 [[nodiscard]] constexpr Vec2 midpoint(Vec2 a, Vec2 b) {
     return {0.5 * (a.x + b.x), 0.5 * (a.y + b.y)};
 }
+
+/// Twice the signed area of a triangle: positive if its corners run counter-clockwise.
+[[nodiscard]] constexpr double orient(Vec2 a, Vec2 b, Vec2 c) {
+    return cross(b - a, c - a);
+}
+
+/// The corners of a triangle, counter-clockwise. Side k runs from corner k to corner k + 1 (mod 3).
+using TriangleCorners = std::array<Vec2, 3>;
 
 /// The corners of a quad, counter-clockwise. Side i runs from corner i to corner i + 1 (mod 4).
 using QuadCorners = std::array<Vec2, 4>;
