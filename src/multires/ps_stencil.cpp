@@ -43,16 +43,19 @@ std::span<const Index> StencilSearch::rings(Index v, std::size_t enough) {
 }
 
 std::span<const Index> StencilSearch::nearest(Index v, std::size_t enough, std::size_t most) {
+    const auto all = rings(v, enough);
+    if (all.size() <= most) return all;
     sorted_.clear();
-    for (const Index w : rings(v, enough)) {
+    for (const Index w : all) {
         const Vec2 d = mesh_.vertex(w) - mesh_.vertex(v);
         sorted_.push_back({dot(d, d), w});
     }
-    const std::size_t count = std::min(most, sorted_.size());
-    const auto end = sorted_.begin() + static_cast<std::ptrdiff_t>(count);
-    std::partial_sort(sorted_.begin(), end, sorted_.end());
+    const auto end = sorted_.begin() + static_cast<std::ptrdiff_t>(most);
+    std::nth_element(sorted_.begin(), end, sorted_.end());
+    std::sort(sorted_.begin(), end);
     found_.clear();
-    for (std::size_t k = 0; k < count; ++k) found_.push_back(sorted_[k].vertex);
+    for (auto nearest = sorted_.begin(); nearest != end; ++nearest)
+        found_.push_back(nearest->vertex);
     return found_;
 }
 

@@ -22,7 +22,8 @@ class StencilSearch {
     /// enough x kMostSpokes but for the first ring.
     [[nodiscard]] std::span<const mesh::Index> rings(mesh::Index v, std::size_t enough);
 
-    /// The same, sorted by (squared distance, number) and cut off behind the first `most`.
+    /// The same; of more than `most` points the nearest, in the order of (squared distance,
+    /// number).
     [[nodiscard]] std::span<const mesh::Index> nearest(mesh::Index v, std::size_t enough,
                                                        std::size_t most);
 
