@@ -3,40 +3,21 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
-#include "mesh/box_tree.h"
+#include "mesh/plane_checks.h"
 
 namespace relief::mesh {
 
 namespace {
 
 constexpr double kConvexity = 1e-10;
-constexpr double kOnEdge = 1e-9;
-constexpr double kTouching = 1e-9;  ///< overlaps thinner than this part of the smaller quad
-constexpr double kSmallAngle = 1;   ///< degrees
+constexpr double kSmallAngle = 1;  ///< degrees
 
 double longest_side(const QuadCorners& v) {
     double longest = 0;
     for (int i = 0; i < 4; ++i) longest = std::max(longest, length(v[(i + 1) % 4] - v[i]));
     return longest;
-}
-
-/// Whether all of b lies to the right of some side of a.
-bool side_separates(const QuadCorners& a, const QuadCorners& b, double margin) {
-    for (int i = 0; i < 4; ++i) {
-        const Vec2 along = a[(i + 1) % 4] - a[i];
-        const double limit = margin * length(along);
-        const bool outside = std::all_of(b.begin(), b.end(),
-                                         [&](Vec2 p) { return cross(along, p - a[i]) <= limit; });
-        if (outside) return true;
-    }
-    return false;
-}
-
-/// Convex polygons have disjoint interiors if and only if a side of one of them separates them.
-bool interiors_meet(const QuadCorners& a, const QuadCorners& b) {
-    const double margin = kTouching * std::min(longest_side(a), longest_side(b));
-    return !side_separates(a, b, margin) && !side_separates(b, a, margin);
 }
 
 }  // namespace
@@ -73,57 +54,28 @@ Status check_vertices_used(const Quadrangulation& mesh) {
 }
 
 Status check_t_junctions(const Quadrangulation& mesh) {
-    std::vector<Box> boxes;
-    for (Index v = 0; v < mesh.vertex_count(); ++v)
-        boxes.push_back({mesh.vertex(v), mesh.vertex(v)});
-    const BoxTree vertices(boxes);
+    std::vector<Index> vertices(mesh.vertex_count());
+    std::iota(vertices.begin(), vertices.end(), Index{0});
+    std::vector<BoundaryEdge> boundary;
     const auto sides = edge_quads(mesh);
-    for (Index e = 0; e < mesh.edge_count(); ++e) {
-        if (sides[e][1] != kNoQuad) continue;
-        const Vec2 from = mesh.vertex(mesh.edges[e][0]);
-        const Vec2 along = mesh.edge_vector(e);
-        const double squared = dot(along, along);
-        const double margin = kOnEdge * std::sqrt(squared);
-        const Box reach = box_of(std::array{from, from + along}).grown(margin);
-        const auto near = [&](const Box& box) {
-            return reach.meets(box) && box.meets_line(from, along, margin);
-        };
-        Index found = kNoQuad;
-        vertices.search(near, [&](Index v) {
-            const Vec2 to = mesh.vertex(v) - from;
-            const double parameter = dot(to, along) / squared;
-            const double distance = std::abs(cross(along, to)) / squared;
-            if (distance <= kOnEdge && parameter > kOnEdge && parameter < 1 - kOnEdge)
-                found = std::min(found, v);
-        });
-        if (found != kNoQuad)
-            return bad_mesh("t_junction: it lies inside the edge from vertex " +
-                                std::to_string(mesh.edges[e][0]) + " to vertex " +
-                                std::to_string(mesh.edges[e][1]) + " of quad " +
-                                std::to_string(sides[e][0]) + "; split that quad there",
-                            "vertex", found);
-    }
-    return {};
+    for (Index e = 0; e < mesh.edge_count(); ++e)
+        if (sides[e][1] == kNoQuad)
+            boundary.push_back({mesh.edges[e][0], mesh.edges[e][1], sides[e][0]});
+    const auto hanging = find_hanging_vertex(mesh.x, mesh.y, vertices, boundary);
+    if (!hanging) return {};
+    return bad_mesh("t_junction: it lies inside the edge from vertex " +
+                        std::to_string(hanging->edge.from) + " to vertex " +
+                        std::to_string(hanging->edge.to) + " of quad " +
+                        std::to_string(hanging->edge.face) + "; split that quad there",
+                    "vertex", hanging->vertex);
 }
 
 Status check_overlap(const Quadrangulation& mesh) {
-    std::vector<Box> boxes;
-    for (Index q = 0; q < mesh.quad_count(); ++q) boxes.push_back(box_of(mesh.corners(q)));
-    const BoxTree tree(boxes);
-    for (Index q = 0; q < mesh.quad_count(); ++q) {
-        const QuadCorners corners = mesh.corners(q);
-        Index found = kNoQuad;
-        tree.search([&](const Box& box) { return boxes[q].meets(box); },
-                    [&](Index other) {
-                        if (other <= q || other >= found || !boxes[q].meets(boxes[other])) return;
-                        if (interiors_meet(corners, mesh.corners(other))) found = other;
-                    });
-        if (found != kNoQuad)
-            return bad_mesh("overlap: its interior meets that of quad " + std::to_string(found) +
-                                "; a surface over the plane needs disjoint quads",
-                            "quad", q);
-    }
-    return {};
+    const auto pair = find_overlap(mesh.quad_count(), [&](Index q) { return mesh.corners(q); });
+    if (!pair) return {};
+    return bad_mesh("overlap: its interior meets that of quad " + std::to_string((*pair)[1]) +
+                        "; a surface over the plane needs disjoint quads",
+                    "quad", (*pair)[0]);
 }
 
 double smallest_angle(const QuadCorners& v) {
