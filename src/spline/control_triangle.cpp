@@ -9,7 +9,7 @@ namespace relief::spline {
 
 namespace {
 
-constexpr double kCollinear = 1e-13;  ///< of coordinates between -1 and 1
+constexpr double kFlat = 1e-13;  ///< for coordinates between -1 and 1
 constexpr double kParallel = 1e-12;
 constexpr double kAtApex = 1e-14;
 
@@ -19,7 +19,7 @@ std::vector<Vec2> convex_hull(std::vector<Vec2>& points) {
               [](Vec2 a, Vec2 b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
     std::vector<Vec2> hull;
     const auto add = [&hull](Vec2 p, std::size_t fixed) {
-        while (hull.size() > fixed && orient(hull[hull.size() - 2], hull.back(), p) <= kCollinear)
+        while (hull.size() > fixed && orient(hull[hull.size() - 2], hull.back(), p) <= 0)
             hull.pop_back();
         hull.push_back(p);
     };
@@ -28,6 +28,22 @@ std::vector<Vec2> convex_hull(std::vector<Vec2>& points) {
     for (auto p = points.rbegin() + 1; p != points.rend(); ++p) add(*p, lower);
     hull.pop_back();
     return hull;
+}
+
+/// Without the corners at which the hull hardly turns. This can not be done while the hull is
+/// found: among points whose abscissae differ by rounding only, it would lose true corners.
+std::vector<Vec2> without_flat_corners(const std::vector<Vec2>& hull) {
+    std::vector<Vec2> kept;
+    const auto flat = [&kept](std::size_t a, std::size_t b, Vec2 c) {
+        return orient(kept[a], kept[b], c) <= kFlat;
+    };
+    for (const Vec2 p : hull) {
+        while (kept.size() > 1 && flat(kept.size() - 2, kept.size() - 1, p)) kept.pop_back();
+        kept.push_back(p);
+    }
+    while (kept.size() > 2 && flat(kept.size() - 2, kept.size() - 1, kept[0])) kept.pop_back();
+    while (kept.size() > 2 && flat(kept.size() - 1, 0, kept[1])) kept.erase(kept.begin());
+    return kept;
 }
 
 /// Encloses a polygon by wedges between the lines of two of its edges, cut by a third line. In the
@@ -112,7 +128,7 @@ std::optional<TriangleCorners> smallest_triangle(std::span<const Vec2> points) {
     std::vector<Vec2> scaled;
     for (const Vec2 p : points)
         scaled.push_back({(p.x - mean.x) / extent, (p.y - mean.y) / extent});
-    const std::vector<Vec2> hull = convex_hull(scaled);
+    const std::vector<Vec2> hull = without_flat_corners(convex_hull(scaled));
     if (hull.size() < 3) return std::nullopt;
     TriangleCorners triangle =
         hull.size() == 3 ? TriangleCorners{hull[0], hull[1], hull[2]} : WedgeSearch(hull).best();

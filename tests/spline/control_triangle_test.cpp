@@ -53,6 +53,17 @@ TEST(ControlTriangle, KnownAreas) {
     EXPECT_NEAR(area(*smallest_triangle(triangle)), 6, 1e-12);
 }
 
+/// Abscissae that differ by rounding only, so that the leftmost point is not a corner.
+TEST(ControlTriangle, RoundedSquare) {
+    const double e = 2.3e-16;
+    const std::vector<Vec2> points = {{-1 + e, -1}, {-1 - e, 0},     {-1 + 3 * e, 1}, {0, 1 - e},
+                                      {1, 1},       {1 + 2 * e, -1}, {0, -1 - e},     {-1, 0}};
+    const auto triangle = smallest_triangle(points);
+    ASSERT_TRUE(triangle);
+    EXPECT_NEAR(area(*triangle), 8, 1e-12);
+    EXPECT_LE(excess(*triangle, points), 1e-12);
+}
+
 TEST(ControlTriangle, Degenerate) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     EXPECT_FALSE(smallest_triangle({}));
