@@ -120,7 +120,8 @@ bool on_a_line(const std::vector<Place>& p) {
 
 TEST(Delaunay, PlacesOfAllKinds) {
     EXPECT_TRUE(rc::check([] {
-        const auto reach = *rc::gen::element<std::int64_t>(2, 5, 30, 1000, 1 << 28);
+        // Up to here no triangle with an area of 1/2 is degenerate.
+        const auto reach = *rc::gen::element<std::int64_t>(2, 5, 30, 1000, 1 << 19);
         const auto offset = *rc::gen::element<std::int64_t>(0, 2000000, -(1 << 28));
         const auto coordinate =
             rc::gen::map(rc::gen::arbitrary<std::int64_t>(),
