@@ -1,9 +1,9 @@
 #include "relief/mesh/locate.h"
 
 #include <cmath>
-#include <limits>
 
 #include "mesh/box_tree.h"
+#include "mesh/nearest_edge.h"
 
 namespace relief::mesh {
 
@@ -22,40 +22,26 @@ bool contains(const Quadrangulation& mesh, Index q, Vec2 p) {
     return true;
 }
 
-Vec2 nearest_on_segment(Vec2 a, Vec2 ab, Vec2 p) {
-    const double t = dot(p - a, ab) / dot(ab, ab);
-    return t <= 0 ? a : t >= 1 ? a + ab : a + t * ab;
-}
-
-struct Projection {
-    Place place;
-    double distance = std::numeric_limits<double>::infinity();
-    double edge_length = 0;
-};
-
 }  // namespace
 
 struct Locator::Data {
     const Quadrangulation& mesh;
     BoxTree quads;
-    std::vector<Index> boundary;  ///< the edges of one quad ..
-    std::vector<Index> inside;    ///< .. and that quad
-    BoxTree boundary_tree;
+    std::vector<Index> boundary_quads;  ///< of the edges of one quad
+    EdgeTree boundary;
 
     explicit Data(const Quadrangulation& of) : mesh(of) {
         std::vector<Box> boxes;
         for (Index q = 0; q < mesh.quad_count(); ++q) boxes.push_back(box_of(mesh.corners(q)));
         quads = BoxTree(boxes);
-        boxes.clear();
+        std::vector<EdgeTree::Segment> segments;
         const auto sides = edge_quads(mesh);
         for (Index e = 0; e < mesh.edge_count(); ++e) {
             if (sides[e][1] != kNoQuad) continue;
-            const auto [a, b] = mesh.edges[e];
-            boundary.push_back(e);
-            inside.push_back(sides[e][0]);
-            boxes.push_back(box_of(std::array{mesh.vertex(a), mesh.vertex(b)}));
+            boundary_quads.push_back(sides[e][0]);
+            segments.push_back({mesh.vertex(mesh.edges[e][0]), mesh.edge_vector(e)});
         }
-        boundary_tree = BoxTree(boxes);
+        boundary = EdgeTree(std::move(segments));
     }
 
     /// The quad of the smallest number that contains p, or kNoQuad.
@@ -66,25 +52,6 @@ struct Locator::Data {
                          if (q < found && contains(mesh, q, p)) found = q;
                      });
         return found;
-    }
-
-    /// The nearest point of the boundary; among equals that of the smallest edge.
-    [[nodiscard]] Projection projection(Vec2 p) const {
-        Projection best;
-        Index best_edge = kNoQuad;
-        boundary_tree.search(
-            [&](const Box& box) { return box.distance(p) <= best.distance; },
-            [&](Index k) {
-                const Index e = boundary[k];
-                const Vec2 along = mesh.edge_vector(e);
-                const Vec2 foot = nearest_on_segment(mesh.vertex(mesh.edges[e][0]), along, p);
-                const double distance = length(p - foot);
-                if (distance > best.distance || (distance == best.distance && e > best_edge))
-                    return;
-                best = {{inside[k], foot}, distance, length(along)};
-                best_edge = e;
-            });
-        return best;
     }
 };
 
@@ -97,15 +64,17 @@ std::optional<Place> Locator::locate(Vec2 point) const {
     if (!std::isfinite(point.x) || !std::isfinite(point.y)) return std::nullopt;
     const Vec2 p = point - data_->mesh.origin;
     if (const Index q = data_->quad_at(p); q != kNoQuad) return Place{q, p};
-    const Projection border = data_->projection(p);
-    if (border.distance <= kOnBoundary * border.edge_length) return border.place;
+    const NearestEdge border = data_->boundary.nearest(p);
+    if (border.distance <= kOnBoundary * length(data_->boundary[border.edge].along))
+        return Place{data_->boundary_quads[border.edge], border.point};
     return std::nullopt;
 }
 
 Place Locator::nearest(Vec2 point) const {
     const Vec2 p = point - data_->mesh.origin;
     if (const Index q = data_->quad_at(p); q != kNoQuad) return {q, p};
-    return data_->projection(p).place;
+    const NearestEdge border = data_->boundary.nearest(p);
+    return {data_->boundary_quads[border.edge], border.point};
 }
 
 Index child_of(const Quadrangulation& parent, const Quadrangulation& child, const Place& place) {

@@ -12,6 +12,8 @@ namespace relief::mesh {
 
 namespace {
 
+/// Twice the area of a triangle must be more than this times its squared longest side.
+constexpr double kThinnest = 1e-12;
 constexpr double kSmallAngle = 1;       ///< degrees
 constexpr double kAngleOverlap = 1e-6;  ///< radians that fans at a boundary vertex may share
 
@@ -54,17 +56,22 @@ Index opposite_corner(const Triangulation& mesh, Index t, Index e) {
 
 }  // namespace
 
-Status check_thickness(const Triangulation& mesh) {
+std::optional<Index> find_thin_triangle(const Triangulation& mesh) {
     for (Index t = 0; t < mesh.triangle_count(); ++t) {
         const auto [a, b, c] = mesh.corners(t);
         const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
-        if (std::abs(orient(a, b, c)) > kThinnest * longest) continue;
-        return bad_mesh(
-            "degenerate_triangle: its corners lie on a line or two of them at one place; remove it "
-            "or move them",
-            "triangle", t);
+        if (!(std::abs(orient(a, b, c)) > kThinnest * longest)) return t;
     }
-    return {};
+    return std::nullopt;
+}
+
+Status check_thickness(const Triangulation& mesh) {
+    const auto thin = find_thin_triangle(mesh);
+    if (!thin) return {};
+    return bad_mesh(
+        "degenerate_triangle: its corners lie on a line or two of them at one place; remove it or "
+        "move them",
+        "triangle", *thin);
 }
 
 /// The triangles round an interior vertex wind round it as often as they cross the ray from it in

@@ -1,16 +1,15 @@
 #pragma once
 
-#include <span>
+#include <optional>
 
 #include "relief/mesh/triangulation.h"
 
 /// The checks of `build` that look at geometry.
 namespace relief::mesh {
 
-/// Twice the area of a triangle must be more than this times its squared longest side.
-inline constexpr double kThinnest = 1e-12;
-
-/// Require: finite vertices, indices in range.
+/// Require: finite vertices, indices in range. The first triangle of which twice the area is at
+/// most 1e-12 times the squared longest side.
+[[nodiscard]] std::optional<Index> find_thin_triangle(const Triangulation& mesh);
 [[nodiscard]] Status check_thickness(const Triangulation& mesh);
 /// Require: connected, triangles counter-clockwise.
 [[nodiscard]] Status check_folds(const Triangulation& mesh);

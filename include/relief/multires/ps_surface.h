@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "relief/core/buffer.h"
+#include "relief/core/grid.h"
+#include "relief/core/vec3.h"
+#include "relief/mesh/triangle_locator.h"
+#include "relief/multires/ps_space.h"
+
+/// Evaluation of Powell-Sabin splines of one to three components. Source: powell-sabin.md section
+/// 10; docs/powell-sabin.md.
+namespace relief::multires::ps {
+
+/// Splines that share a space, ready to be evaluated. Each triangle has its geometry and, for each
+/// component, value and gradient at Z and the Hessians of the six pieces in one block: 256 bytes
+/// for one component, of which a point needs four lines of cache. Immutable; several threads may
+/// ask.
+class Surface {
+  public:
+    /// The space must outlive the surface and keep its address. Errors: those of `check`, and
+    /// `component_count` unless there are one to three. Complexity: O(n).
+    [[nodiscard]] static Result<Surface> create(const Space& space,
+                                                std::span<const Coefficients> components);
+
+    [[nodiscard]] const Space& space() const { return *space_; }
+    [[nodiscard]] int components() const { return components_; }
+
+    /// Value, gradient and Hessian in a triangle, at a point relative to the mesh's origin. Value
+    /// and gradient are continuous; the Hessian jumps between pieces and is that of the piece
+    /// following the point counter-clockwise around Z. Complexity: O(1).
+    [[nodiscard]] spline::PlaneJet jet(mesh::Index triangle, Vec2 point, int component = 0) const;
+    /// The same for all components, into components() elements.
+    void jets(mesh::Index triangle, Vec2 point, spline::PlaneJet* out) const;
+
+    /// The six pieces of a component in a triangle, as polynomials about Z.
+    [[nodiscard]] spline::PsPolynomials polynomials(mesh::Index triangle, int component = 0) const;
+    /// The piece, 0 .. 5, in which `jet` evaluates.
+    [[nodiscard]] int piece_of(mesh::Index triangle, Vec2 point) const;
+
+  private:
+    Surface(const Space& space, int components);
+    [[nodiscard]] const double* block(mesh::Index triangle) const {
+        return blocks_.data() + static_cast<std::size_t>(triangle) * stride_;
+    }
+
+    const Space* space_;
+    int components_;
+    std::size_t stride_;
+    Buffer<double> blocks_;
+};
+
+/// What becomes of points outside the domain, or in a hole.
+enum class Outside {
+    Reject,   ///< an error
+    Nan,      ///< all numbers of their jets are NaN
+    Nearest,  ///< they are moved to the nearest point of the boundary
+};
+
+/// Jets at points in the coordinates of the mesh's source; that of component m at point k goes to
+/// out[k * components() + m]. Results do not depend on the order of points. The locator is that of
+/// the surface's mesh. Errors: `size_mismatch`; `outside_domain` (Reject), `non_finite_point`
+/// (Nearest), both for the first such point. Complexity: O(1) a point.
+[[nodiscard]] Status evaluate(const Surface& surface, const mesh::TriangleLocator& locator,
+                              std::span<const Vec2> points, std::span<spline::PlaneJet> out,
+                              Outside outside = Outside::Reject);
+
+/// Where the samples of a raster lie: that of row r, column c at first + (c step.x, r step.y), in
+/// the coordinates of the mesh's source.
+struct RasterFrame {
+    Vec2 first;
+    Vec2 step{1, 1};  ///< not 0; y may be negative
+};
+
+/// The values of a component at the samples of a raster, triangle by triangle along its rows. A
+/// sample on an edge belongs to the triangle of the smallest number. Outside as for `evaluate`;
+/// only Nearest needs the locator. Errors: `invalid_frame` (not finite, or steps not positive in x
+/// or zero in y), `component_count`, `outside_domain`. Complexity: O(samples + n).
+[[nodiscard]] Status evaluate_raster(const Surface& surface, const RasterFrame& frame,
+                                     GridView<double> out, int component = 0,
+                                     Outside outside = Outside::Nan,
+                                     const mesh::TriangleLocator* locator = nullptr);
+
+/// The unit normal of the graph of a function, upwards.
+[[nodiscard]] Vec3<double> graph_normal(const spline::PlaneJet& jet);
+
+/// The unit normal X_u x X_v of a parametric surface from the jets of x, y and z. NaN where X_u and
+/// X_v are parallel to 1e-14.
+[[nodiscard]] Vec3<double> parametric_normal(std::span<const spline::PlaneJet, 3> jets);
+
+}  // namespace relief::multires::ps
