@@ -121,8 +121,7 @@ struct LeastSquares::State {
         return report;
     }
 
-    [[nodiscard]] FittedSpline solved(const BlockCholesky& solver,
-                                      std::span<const double> values,
+    [[nodiscard]] FittedSpline solved(const BlockCholesky& solver, std::span<const double> values,
                                       const std::vector<Column3>& right) const {
         FittedSpline fitted{right, {}};
         solver.solve(fitted.spline);
@@ -144,8 +143,7 @@ struct LeastSquares::State {
         return report.rms_error * report.rms_error / (free * free);
     }
 
-    [[nodiscard]] Result<FittedSpline> fit(std::span<const double> values,
-                                           double smoothing) const {
+    [[nodiscard]] Result<FittedSpline> fit(std::span<const double> values, double smoothing) const {
         RELIEF_TRY(const BlockCholesky solver, factors(smoothing));
         FittedSpline fitted = solved(solver, values, right_side(values));
         fitted.report.smoothing = smoothing;

@@ -271,18 +271,15 @@ BlockMatrix SortedSites::normal_matrix(const VertexStars& graph) const {
         }
         return sum;
     };
-    each_triangle<PsMatrix>(space_.mesh.triangle_count(), local,
-                            [&](Index t, const PsMatrix& sum) {
-                                if (first_[t] < first_[t + 1])
-                                    matrix.add(graph, space_.mesh.triangles[t], sum);
-                            });
+    each_triangle<PsMatrix>(space_.mesh.triangle_count(), local, [&](Index t, const PsMatrix& sum) {
+        if (first_[t] < first_[t + 1]) matrix.add(graph, space_.mesh.triangles[t], sum);
+    });
     return matrix;
 }
 
 void SortedSites::adjoint(std::span<const double> factors, std::size_t count,
                           std::span<std::vector<Column3>> out) const {
-    for (std::vector<Column3>& column : out)
-        column.assign(space_.mesh.vertex_count(), Column3{});
+    for (std::vector<Column3>& column : out) column.assign(space_.mesh.vertex_count(), Column3{});
     using Sums = std::vector<std::array<double, 9>>;
     const auto local = [&](Index t) {
         Sums sums;

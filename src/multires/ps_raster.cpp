@@ -137,8 +137,7 @@ class Painter {
         std::vector<Range> bands(mesh.triangles.size());
         for_each_index(bands.size(), [&](Index t) {
             const Range rows = rows_of(Cutter(mesh.corners(t)));
-            if (rows.first <= rows.last)
-                bands[t] = {rows.first / kBandRows, rows.last / kBandRows};
+            if (rows.first <= rows.last) bands[t] = {rows.first / kBandRows, rows.last / kBandRows};
         });
         begin_.assign(static_cast<std::size_t>((out_.rows + kBandRows - 1) / kBandRows + 1), 0);
         for (const Range& range : bands)
@@ -228,7 +227,8 @@ Status evaluate_raster(const Surface& surface, const RasterFrame& frame, GridVie
                        int component, Outside outside, const mesh::TriangleLocator* locator) {
     RELIEF_CHECK(check_frame(frame));
     if (component < 0 || component >= surface.components())
-        return Error{ErrorCode::InvalidArgument, "component_count: the surface has no such component",
+        return Error{ErrorCode::InvalidArgument,
+                     "component_count: the surface has no such component",
                      "component " + std::to_string(component)};
     if (outside == Outside::Nearest && locator == nullptr)
         return Error{ErrorCode::InvalidArgument,

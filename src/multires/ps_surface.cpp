@@ -84,8 +84,8 @@ Result<Surface> Surface::create(const Space& space, std::span<const Coefficients
         put({element.weights()[0], element.weights()[1], element.weights()[2]});
         for (const TangentPlanes& component : planes) {
             const auto& v = space.mesh.triangles[t];
-            const PsPolynomials spline = element.polynomials(
-                std::array{component[v[0]], component[v[1]], component[v[2]]});
+            const PsPolynomials spline =
+                element.polynomials(std::array{component[v[0]], component[v[1]], component[v[2]]});
             put({spline.value, spline.gradient.x, spline.gradient.y});
             for (const Hessian& h : spline.hessian) put({h.xx, h.xy, h.yy});
         }

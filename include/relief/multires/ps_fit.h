@@ -34,8 +34,8 @@ struct FitOptions {
 
 struct FitReport {
     double smoothing = 0;
-    double rms_error = 0;  ///< at the points, weighted
-    double max_error = 0;  ///< of the points of positive weight
+    double rms_error = 0;   ///< at the points, weighted
+    double max_error = 0;   ///< of the points of positive weight
     std::size_t worst = 0;  ///< the point of the largest error
 };
 
