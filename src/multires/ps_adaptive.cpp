@@ -1,0 +1,305 @@
+#include "relief/multires/ps_adaptive.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "relief/mesh/delaunay.h"
+#include "relief/mesh/triangle_locator.h"
+
+namespace relief::multires::ps {
+
+using mesh::Index;
+using mesh::kNone;
+
+namespace {
+
+/// Hull slivers that are peeled off: so thin that what lies in them is as good as on the boundary.
+constexpr double kPeel = 1e-6;
+/// Triangles get a vertex if their worst point is off by so much of the worst of all.
+constexpr double kShareOfWorst = 0.3;
+constexpr int kMostRounds = 200;
+constexpr double kLargest = 1e150;
+
+/// Points at one place.
+struct Place {
+    Vec2 at;
+    double value = 0;  ///< in the middle of theirs
+    double half_range = 0;
+    std::size_t first = 0;  ///< those of the least and the greatest value
+    std::size_t last = 0;
+};
+
+/// In the order of x, then y.
+std::vector<Place> places_of(const ScatteredData& data) {
+    std::vector<std::size_t> order(data.points.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        const Vec2 p = data.points[a];
+        const Vec2 q = data.points[b];
+        if (p.x != q.x) return p.x < q.x;
+        if (p.y != q.y) return p.y < q.y;
+        return data.values[a] != data.values[b] ? data.values[a] < data.values[b] : a < b;
+    });
+    std::vector<Place> places;
+    for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+        const Vec2 at = data.points[order[begin]];
+        while (end < order.size() && data.points[order[end]] == at) ++end;
+        const std::size_t low = order[begin];
+        const std::size_t high = order[end - 1];
+        places.push_back({at, 0.5 * data.values[low] + 0.5 * data.values[high],
+                          0.5 * data.values[high] - 0.5 * data.values[low], low, high});
+    }
+    return places;
+}
+
+/// The places on the convex hull, collinear ones left out. Requires: sorted.
+void add_hull(const std::vector<Place>& places, std::vector<std::uint8_t>& chosen) {
+    const auto chain = [&](auto begin, auto end) {
+        std::vector<std::size_t> hull;
+        for (auto k = begin; k != end; ++k) {
+            const auto place = static_cast<std::size_t>(*k);
+            const auto bends = [&] {
+                const Vec2 a = places[hull[hull.size() - 2]].at;
+                const Vec2 b = places[hull.back()].at;
+                return cross(b - a, places[place].at - a) > 0;
+            };
+            while (hull.size() >= 2 && !bends()) hull.pop_back();
+            hull.push_back(place);
+        }
+        for (const std::size_t place : hull) chosen[place] = 1;
+    };
+    std::vector<std::size_t> order(places.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    chain(order.begin(), order.end());
+    chain(order.rbegin(), order.rend());
+}
+
+/// About `count` places all over the domain: that nearest to the middle of each cell of a lattice.
+void add_spread(const std::vector<Place>& places, std::size_t count,
+                std::vector<std::uint8_t>& chosen) {
+    Vec2 low = places.front().at;
+    Vec2 high = low;
+    for (const Place& place : places) {
+        low = {std::min(low.x, place.at.x), std::min(low.y, place.at.y)};
+        high = {std::max(high.x, place.at.x), std::max(high.y, place.at.y)};
+    }
+    const Vec2 extent = high - low;
+    const double cell =
+        std::sqrt(extent.x * extent.y / static_cast<double>(std::max<std::size_t>(count, 1)));
+    if (count == 0 || !(cell > 0)) return;
+    const auto cells = [&](double length) {
+        return std::clamp<std::size_t>(static_cast<std::size_t>(length / cell), 1, count);
+    };
+    const std::size_t cols = cells(extent.x);
+    const std::size_t rows = cells(extent.y);
+    std::vector<std::size_t> best(rows * cols, places.size());
+    std::vector<double> least(rows * cols, std::numeric_limits<double>::infinity());
+    const auto part = [](double t, std::size_t n) {
+        return std::min(static_cast<std::size_t>(t * static_cast<double>(n)), n - 1);
+    };
+    for (std::size_t k = 0; k < places.size(); ++k) {
+        const Vec2 t{(places[k].at.x - low.x) / extent.x, (places[k].at.y - low.y) / extent.y};
+        const std::size_t col = part(t.x, cols);
+        const std::size_t row = part(t.y, rows);
+        const double dx = t.x * static_cast<double>(cols) - static_cast<double>(col) - 0.5;
+        const double dy = t.y * static_cast<double>(rows) - static_cast<double>(row) - 0.5;
+        const double distance = dx * dx + dy * dy;
+        if (distance >= least[row * cols + col]) continue;
+        least[row * cols + col] = distance;
+        best[row * cols + col] = k;
+    }
+    for (const std::size_t k : best)
+        if (k < places.size()) chosen[k] = 1;
+}
+
+class Refiner {
+  public:
+    Refiner(const ScatteredData& data, const AdaptiveOptions& options)
+        : data_(data), options_(options), places_(places_of(data)), chosen_(places_.size(), 0) {
+        add_hull(places_, chosen_);
+        add_spread(places_, std::min(options.first_vertices, options.most_vertices), chosen_);
+    }
+
+    Result<AdaptiveSurface> run() {
+        for (int round = 1;; ++round) {
+            RELIEF_TRY(AdaptiveSurface surface, fit());
+            surface.rounds = round;
+            const std::size_t within = places_.size() - violators_.size();
+            const double done = static_cast<double>(within) /
+                                static_cast<double>(std::max<std::size_t>(places_.size(), 1));
+            if (options_.progress && !options_.progress(done))
+                return Error{ErrorCode::Cancelled, "cancelled", ""};
+            const std::size_t added = choose_more(surface.space.mesh.triangle_count());
+            if (added > 0 && round < kMostRounds) continue;
+            tell(surface);
+            return surface;
+        }
+    }
+
+  private:
+    /// A place beyond the bound.
+    struct Violator {
+        std::size_t place;
+        Index triangle;
+        double off;
+    };
+
+    Result<AdaptiveSurface> fit() {
+        std::vector<Vec2> vertices;
+        std::vector<std::size_t> place_of_point;
+        for (std::size_t k = 0; k < places_.size(); ++k) {
+            if (chosen_[k] == 0) continue;
+            vertices.push_back(places_[k].at);
+            place_of_point.push_back(k);
+        }
+        RELIEF_TRY(mesh::Delaunay delaunay, mesh::delaunay(vertices, {kPeel}));
+        AdaptiveSurface surface;
+        RELIEF_TRY(surface.space, make_space(std::move(delaunay.mesh)));
+        const Space& space = surface.space;
+        const mesh::TriangleLocator locator(space.mesh);
+        locate(space.mesh, locator);
+        RELIEF_TRY(const LeastSquares squares,
+                   LeastSquares::create(space, {moved_, triangles_, data_.weights}));
+        RELIEF_TRY(FittedSpline fitted, squares.fit(data_.values, options_.smoothing));
+        surface.spline = std::move(fitted.spline);
+        correct(surface, delaunay.vertex_of_point, place_of_point);
+        measure(surface, squares);
+        return surface;
+    }
+
+    /// Points outside the domain, which are in hull slivers, move to its boundary.
+    void locate(const mesh::Triangulation& mesh, const mesh::TriangleLocator& locator) {
+        moved_.assign(data_.points.begin(), data_.points.end());
+        triangles_.resize(moved_.size());
+        locator.locate(moved_, triangles_);
+        for (std::size_t k = 0; k < moved_.size(); ++k) {
+            if (triangles_[k] != kNone) continue;
+            const mesh::TrianglePlace place = locator.nearest(moved_[k]);
+            triangles_[k] = place.triangle;
+            moved_[k] = place.point + mesh.origin;
+        }
+    }
+
+    /// Vertices that least squares left beyond the bound are raised or lowered to their places.
+    void correct(AdaptiveSurface& surface, const std::vector<Index>& vertex_of_point,
+                 const std::vector<std::size_t>& place_of_point) const {
+        for (std::size_t k = 0; k < place_of_point.size(); ++k) {
+            const Index v = vertex_of_point[k];
+            const Place& place = places_[place_of_point[k]];
+            const double off =
+                place.value - tangent_plane(surface.space.control[v], surface.spline[v]).value;
+            if (std::abs(off) + place.half_range <= options_.max_error) continue;
+            for (double& height : surface.spline[v]) height += off;
+        }
+    }
+
+    void measure(AdaptiveSurface& surface, const LeastSquares& squares) {
+        std::vector<double> at(data_.points.size());
+        squares.evaluate(surface.spline, at);
+        violators_.clear();
+        worst_ = 0;
+        FitReport& report = surface.report;
+        report = {options_.smoothing, 0, 0, 0};
+        double weights = 0;
+        for (std::size_t k = 0; k < at.size(); ++k) {
+            const double off = std::abs(at[k] - data_.values[k]);
+            const double weight = data_.weights.empty() ? 1 : data_.weights[k];
+            report.rms_error += weight * off * off;
+            weights += weight;
+            surface.beyond += off > options_.max_error;
+            if (off > report.max_error) {
+                report.max_error = off;
+                report.worst = k;
+            }
+        }
+        report.rms_error = std::sqrt(report.rms_error / weights);
+        for (std::size_t p = 0; p < places_.size(); ++p) {
+            const std::size_t k = places_[p].first;
+            const double off = std::abs(at[k] - data_.values[k] - places_[p].half_range);
+            if (off + places_[p].half_range <= options_.max_error) continue;
+            violators_.push_back({p, triangles_[k], off});
+            if (chosen_[p] == 0) worst_ = std::max(worst_, off);
+        }
+    }
+
+    /// The worst place of each triangle, if it is bad enough, becomes a vertex.
+    std::size_t choose_more(Index triangle_count) {
+        std::vector<std::size_t> worst(triangle_count, violators_.size());
+        for (std::size_t k = 0; k < violators_.size(); ++k) {
+            const Violator& v = violators_[k];
+            if (chosen_[v.place] != 0) continue;
+            std::size_t& best = worst[v.triangle];
+            if (best == violators_.size() || v.off > violators_[best].off) best = k;
+        }
+        std::size_t vertices =
+            static_cast<std::size_t>(std::count(chosen_.begin(), chosen_.end(), std::uint8_t{1}));
+        std::size_t added = 0;
+        for (const std::size_t k : worst) {
+            if (k == violators_.size() || violators_[k].off < kShareOfWorst * worst_) continue;
+            if (vertices + added >= options_.most_vertices) break;
+            chosen_[violators_[k].place] = 1;
+            ++added;
+        }
+        return added;
+    }
+
+    void tell(AdaptiveSurface& surface) const {
+        if (surface.beyond == 0) return;
+        for (const Place& place : places_)
+            if (place.half_range > options_.max_error) {
+                surface.reason = "points " + std::to_string(place.first) + " and " +
+                                 std::to_string(place.last) +
+                                 " lie at the same place and their values are farther apart than "
+                                 "twice the bound";
+                return;
+            }
+        const auto open = std::count_if(violators_.begin(), violators_.end(),
+                                        [&](const auto& v) { return chosen_[v.place] == 0; });
+        surface.reason = open > 0 ? "more vertices are needed than are allowed"
+                                  : "points are too close to each other to be told apart";
+    }
+
+    const ScatteredData& data_;
+    const AdaptiveOptions& options_;
+    std::vector<Place> places_;
+    std::vector<std::uint8_t> chosen_;  ///< of each place: whether it is a vertex
+    std::vector<Vec2> moved_;           ///< the points, inside the domain
+    std::vector<Index> triangles_;      ///< of each point
+    std::vector<Violator> violators_;
+    double worst_ = 0;  ///< of the places that are not vertices yet
+};
+
+Status check(const ScatteredData& data, const AdaptiveOptions& options) {
+    if (!(options.max_error >= 0) || std::isinf(options.max_error))
+        return Error{ErrorCode::InvalidArgument,
+                     "invalid_parameter: the bound is a number from 0 on", "max_error"};
+    if (data.values.size() != data.points.size())
+        return Error{ErrorCode::BadInput,
+                     "size_mismatch: " + std::to_string(data.values.size()) + " values for " +
+                         std::to_string(data.points.size()) + " points",
+                     "points"};
+    for (std::size_t k = 0; k < data.points.size(); ++k) {
+        const Vec2 p = data.points[k];
+        const auto usable = [](double x) { return std::abs(x) <= kLargest; };
+        if (usable(p.x) && usable(p.y) && usable(data.values[k])) continue;
+        return Error{
+            ErrorCode::BadInput,
+            "non_finite_input: it is not made of numbers of at most 1e150; leave the point "
+            "out or correct it",
+            "point " + std::to_string(k)};
+    }
+    return {};
+}
+
+}  // namespace
+
+Result<AdaptiveSurface> fit_within(const ScatteredData& data, const AdaptiveOptions& options) {
+    RELIEF_CHECK(check(data, options));
+    if (data.points.size() < 3)
+        return Error{ErrorCode::BadInput, "too_few_points: a surface needs three places", "points"};
+    return Refiner(data, options).run();
+}
+
+}  // namespace relief::multires::ps

@@ -1,0 +1,112 @@
+#include "relief/multires/ps_adaptive.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "franke.h"
+#include "relief/mesh/triangle_locator.h"
+#include "relief/multires/ps_surface.h"
+#include "support.h"
+
+namespace relief::multires::ps {
+namespace {
+
+struct Data {
+    std::vector<Vec2> points;
+    std::vector<double> values;
+
+    [[nodiscard]] ScatteredData view() const { return {points, values, {}}; }
+};
+
+Data franke_data(int count, double noise_size, std::uint64_t seed = 1) {
+    test::Noise noise(seed);
+    Data data;
+    for (int k = 0; k < count; ++k) {
+        const Vec2 p{0.5 + 0.5 * noise(), 0.5 + 0.5 * noise()};
+        data.points.push_back(p);
+        data.values.push_back(test::franke(p.x, p.y).value + noise_size * noise());
+    }
+    return data;
+}
+
+/// Largest distance of the surface from the data, by evaluation alone.
+double true_error(const AdaptiveSurface& surface, const Data& data) {
+    const auto evaluator = Surface::create(surface.space, std::span(&surface.spline, 1));
+    const mesh::TriangleLocator locator(surface.space.mesh);
+    std::vector<spline::PlaneJet> jets(data.points.size());
+    EXPECT_TRUE(evaluate(*evaluator, locator, data.points, jets, Outside::Nearest).ok());
+    double worst = 0;
+    for (std::size_t k = 0; k < jets.size(); ++k)
+        worst = std::max(worst, std::abs(jets[k].value - data.values[k]));
+    return worst;
+}
+
+TEST(PsAdaptive, SmoothDataNeedFewVertices) {
+    const Data data = franke_data(20000, 0);
+    std::size_t before = 0;
+    for (const double bound : {0.05, 0.01, 0.001}) {
+        const auto surface = fit_within(data.view(), {bound});
+        ASSERT_TRUE(surface.ok()) << surface.error().text();
+        EXPECT_EQ(surface->beyond, 0U);
+        EXPECT_LE(surface->report.max_error, bound);
+        EXPECT_NEAR(true_error(*surface, data), surface->report.max_error, 1e-12);
+        const std::size_t vertices = surface->space.mesh.vertex_count();
+        EXPECT_GT(vertices, before);
+        before = vertices;
+    }
+    EXPECT_LT(before, 2000U);  // of 20 000 points
+}
+
+TEST(PsAdaptive, NoiseBelowTheBoundIsLeftOutAndAboveItIsMet) {
+    const Data data = franke_data(3000, 0.01);
+    const auto loose = fit_within(data.view(), {0.05});
+    EXPECT_EQ(loose->beyond, 0U);
+    EXPECT_LT(loose->space.mesh.vertex_count(), 300U);
+    const auto tight = fit_within(data.view(), {0.001});
+    ASSERT_TRUE(tight.ok());
+    EXPECT_EQ(tight->beyond, 0U) << tight->reason;
+    EXPECT_LE(true_error(*tight, data), 0.001);
+}
+
+TEST(PsAdaptive, ZeroIsInterpolation) {
+    const Data data = franke_data(300, 0.1);
+    const auto surface = fit_within(data.view(), {0});
+    ASSERT_TRUE(surface.ok());
+    // Exactly, up to the rounding of heights that are raised.
+    EXPECT_LT(surface->report.max_error, 1e-13);
+    EXPECT_EQ(surface->space.mesh.vertex_count(), 300U);
+}
+
+TEST(PsAdaptive, WhatCanNotBeReachedIsTold) {
+    Data data = franke_data(500, 0);
+    data.points.push_back(data.points[17]);
+    data.values.push_back(data.values[17] + 1);
+    const auto split = fit_within(data.view(), {0.1});
+    ASSERT_TRUE(split.ok());
+    EXPECT_EQ(split->beyond, 2U);
+    EXPECT_EQ(split->reason.substr(0, 17), "points 17 and 500");
+    const Data noisy = franke_data(2000, 0.5);
+    AdaptiveOptions few{0.01};
+    few.most_vertices = 100;
+    const auto stopped = fit_within(noisy.view(), few);
+    ASSERT_TRUE(stopped.ok());
+    EXPECT_GT(stopped->beyond, 0U);
+    EXPECT_EQ(stopped->reason, "more vertices are needed than are allowed");
+}
+
+TEST(PsAdaptive, BadInputIsNamed) {
+    Data data = franke_data(100, 0);
+    EXPECT_EQ(fit_within(data.view(), {-1}).error().code, ErrorCode::InvalidArgument);
+    data.values[5] = std::nan("");
+    EXPECT_EQ(fit_within(data.view(), {1}).error().where, "point 5");
+    Data line;
+    for (int k = 0; k < 10; ++k) {
+        line.points.push_back({0.5 * k, 1.0 * k});
+        line.values.push_back(k);
+    }
+    EXPECT_EQ(fit_within(line.view(), {1}).error().message.substr(0, 16), "collinear_points");
+}
+
+}  // namespace
+}  // namespace relief::multires::ps
