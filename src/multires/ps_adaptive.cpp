@@ -19,6 +19,8 @@ namespace {
 constexpr double kPeel = 1e-6;
 /// Triangles get a vertex if their worst point is off by so much of the worst of all.
 constexpr double kShareOfWorst = 0.3;
+constexpr double kLeastSmoothing = 1e-12;
+constexpr double kMostSmoothing = 1e-2;
 constexpr int kMostRounds = 200;
 constexpr double kLargest = 1e150;
 
@@ -162,8 +164,15 @@ class Refiner {
         locate(space.mesh, locator);
         RELIEF_TRY(const LeastSquares squares,
                    LeastSquares::create(space, {moved_, triangles_, data_.weights}));
-        RELIEF_TRY(FittedSpline fitted, squares.fit(data_.values, options_.smoothing));
-        surface.spline = std::move(fitted.spline);
+        // Where data are few, more smoothing determines the surface.
+        double smoothing = options_.smoothing;
+        Result<FittedSpline> fitted = squares.fit(data_.values, smoothing);
+        for (; !fitted.ok() && smoothing < kMostSmoothing;
+             fitted = squares.fit(data_.values, smoothing))
+            smoothing = std::max(100 * smoothing, options_.smoothing + kLeastSmoothing);
+        if (!fitted.ok()) return fitted.error();
+        surface.spline = std::move(fitted.value().spline);
+        surface.report.smoothing = smoothing;
         correct(surface, delaunay.vertex_of_point, place_of_point);
         measure(surface, squares);
         return surface;
@@ -201,7 +210,6 @@ class Refiner {
         violators_.clear();
         worst_ = 0;
         FitReport& report = surface.report;
-        report = {options_.smoothing, 0, 0, 0};
         double weights = 0;
         for (std::size_t k = 0; k < at.size(); ++k) {
             const double off = std::abs(at[k] - data_.values[k]);
