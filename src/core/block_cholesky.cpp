@@ -13,6 +13,7 @@ using Index = std::uint32_t;
 constexpr Index kNone = std::numeric_limits<Index>::max();
 constexpr std::size_t kSmall = 16;  ///< parts that are not halved any more
 constexpr double kSingular = 1e-13;
+constexpr double kRaised = 1e-8;
 
 /// Cuts parts of `order_` in place.
 class Dissection {
@@ -106,15 +107,24 @@ void subtract_product(Column3& y, const Block3& a, const Column3& x) {
         y[i] -= a[3 * i] * x[0] + a[3 * i + 1] * x[1] + a[3 * i + 2] * x[2];
 }
 
-/// Of a symmetric block by its own L D L^T; false if a pivot is not above `least`.
-bool invert(const Block3& a, double least, Block3& inverse) {
-    const double d0 = a[0];
+/// A pivot that is only what rounding left of the matrix' own element is lost.
+bool keep(double& pivot, double original, LostPivots lost) {
+    if (pivot > kSingular * original) return true;
+    pivot = kRaised * original;
+    return lost == LostPivots::Raise && original > 0;
+}
+
+/// Of a symmetric block by its own L D L^T; false if a pivot is lost.
+bool invert(const Block3& a, const Block3& original, LostPivots lost, Block3& inverse) {
+    double d0 = a[0];
+    if (!keep(d0, original[0], lost)) return false;
     const double l10 = a[3] / d0;
     const double l20 = a[6] / d0;
-    const double d1 = a[4] - l10 * a[3];
+    double d1 = a[4] - l10 * a[3];
+    if (!keep(d1, original[4], lost)) return false;
     const double l21 = (a[7] - l20 * a[3]) / d1;
-    const double d2 = a[8] - l20 * a[6] - l21 * l21 * d1;
-    if (!(d0 > least) || !(d1 > least) || !(d2 > least)) return false;
+    double d2 = a[8] - l20 * a[6] - l21 * l21 * d1;
+    if (!keep(d2, original[8], lost)) return false;
     // Columns of the inverse of L, then L^-T D^-1 L^-1.
     const double m10 = -l10;
     const double m20 = l10 * l21 - l20;
@@ -167,12 +177,8 @@ void BlockCholesky::find_pattern(const GraphView& graph) {
 
 /// Row by row: those of L so far, times the new row, are what the matrix has there.
 std::size_t BlockCholesky::factor(const GraphView& graph, std::span<const Block3> diagonal,
-                                  std::span<const Block3> off_diagonal) {
+                                  std::span<const Block3> off_diagonal, LostPivots lost) {
     const auto count = static_cast<Index>(order_.size());
-    double largest = 0;
-    for (const Block3& block : diagonal)
-        largest = std::max({largest, block[0], block[4], block[8]});
-    const double least = kSingular * largest;
     std::vector<Block3> row(count, Block3{});
     std::vector<Index> seen(count, kNone);
     std::vector<Index> columns;
@@ -202,7 +208,7 @@ std::size_t BlockCholesky::factor(const GraphView& graph, std::span<const Block3
             subtract_product(pivot, scaled, transposed(entry));
             lower_[end[i]++] = scaled;
         }
-        if (!invert(pivot, least, inverse_[k])) return v;
+        if (!invert(pivot, diagonal[v], lost, inverse_[k])) return v;
     }
     return count;
 }

@@ -15,12 +15,10 @@ using mesh::kNone;
 
 namespace {
 
-/// Hull slivers that are peeled off: so thin that what lies in them is as good as on the boundary.
-constexpr double kPeel = 1e-6;
+/// Hull slivers that are peeled off: what lies in them counts as on the boundary.
+constexpr double kPeel = 1e-2;
 /// Triangles get a vertex if their worst point is off by so much of the worst of all.
 constexpr double kShareOfWorst = 0.3;
-constexpr double kLeastSmoothing = 1e-12;
-constexpr double kMostSmoothing = 1e-2;
 constexpr int kMostRounds = 200;
 constexpr double kLargest = 1e150;
 
@@ -164,15 +162,9 @@ class Refiner {
         locate(space.mesh, locator);
         RELIEF_TRY(const LeastSquares squares,
                    LeastSquares::create(space, {moved_, triangles_, data_.weights}));
-        // Where data are few, more smoothing determines the surface.
-        double smoothing = options_.smoothing;
-        Result<FittedSpline> fitted = squares.fit(data_.values, smoothing);
-        for (; !fitted.ok() && smoothing < kMostSmoothing;
-             fitted = squares.fit(data_.values, smoothing))
-            smoothing = std::max(100 * smoothing, options_.smoothing + kLeastSmoothing);
-        if (!fitted.ok()) return fitted.error();
-        surface.spline = std::move(fitted.value().spline);
-        surface.report.smoothing = smoothing;
+        RELIEF_TRY(FittedSpline fitted, squares.fit(data_.values, options_.smoothing));
+        surface.spline = std::move(fitted.spline);
+        surface.report.smoothing = options_.smoothing;
         correct(surface, delaunay.vertex_of_point, place_of_point);
         measure(surface, squares);
         return surface;
@@ -283,6 +275,9 @@ Status check(const ScatteredData& data, const AdaptiveOptions& options) {
     if (!(options.max_error >= 0) || std::isinf(options.max_error))
         return Error{ErrorCode::InvalidArgument,
                      "invalid_parameter: the bound is a number from 0 on", "max_error"};
+    if (!(options.smoothing > 0) || std::isinf(options.smoothing))
+        return Error{ErrorCode::InvalidArgument,
+                     "invalid_parameter: smoothing is a number above 0", "smoothing"};
     if (data.values.size() != data.points.size())
         return Error{ErrorCode::BadInput,
                      "size_mismatch: " + std::to_string(data.values.size()) + " values for " +

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "multires/ps_normal.h"
+#include "multires/small_cholesky.h"
 #include "relief/core/parallel.h"
 
 namespace relief::multires::ps {
@@ -17,6 +18,7 @@ namespace {
 constexpr double kLargest = 1e150;
 /// Random sign vectors that estimate the trace of the influence matrix.
 constexpr std::size_t kProbes = 10;
+constexpr double kDegenerate = 1e-12;
 constexpr int kLeastPower = -12;
 constexpr int kMostPower = -3;
 
@@ -42,11 +44,31 @@ Error size_mismatch(std::size_t given, std::size_t wanted, const char* what) {
             "points"};
 }
 
-Error singular(Index vertex) {
+Error singular(std::string where) {
     return {ErrorCode::BadInput,
-            "singular_system: the data around it do not determine the surface; use more smoothing, "
-            "more data or fewer vertices",
-            "vertex " + std::to_string(vertex)};
+            "singular_system: the data do not determine the surface; use more smoothing, more data "
+            "or fewer vertices",
+            std::move(where)};
+}
+
+/// Whether points determine the polynomials that an energy does not see: not all on a line, or on a
+/// conic. Coordinates are relative to a point near them.
+bool determine(const DataSites& sites, Vec2 origin, Energy energy) {
+    const std::size_t n = energy == Energy::ThinPlate ? 3 : 6;
+    double size = 0;
+    for (const Vec2& p : sites.points) {
+        const Vec2 d = p - origin;
+        size = std::max({size, std::abs(d.x), std::abs(d.y)});
+    }
+    std::vector<double> moments(n * n, 0);
+    for (std::size_t k = 0; k < sites.points.size(); ++k) {
+        if (!sites.weights.empty() && !(sites.weights[k] > 0)) continue;
+        const Vec2 d = 1 / size * (sites.points[k] - origin);
+        const std::array<double, 6> row{1, d.x, d.y, d.x * d.x, d.x * d.y, d.y * d.y};
+        for (std::size_t i = 0; i < n; ++i)
+            for (std::size_t j = 0; j <= i; ++j) moments[n * i + j] += row[i] * row[j];
+    }
+    return SmallCholesky::factor(std::move(moments), n, kDegenerate).has_value();
 }
 
 }  // namespace
@@ -57,7 +79,8 @@ struct LeastSquares::State {
           sites(its_space, data),
           graph(coupling(its_space.mesh, energy)),
           normal(sites.normal_matrix(graph)),
-          smoothness(energy_matrix(its_space, graph, energy)) {
+          smoothness(energy_matrix(its_space, graph, energy)),
+          determined(determine(data, its_space.mesh.origin, energy)) {
         const auto& mesh = space.mesh;
         for (Index t = 0; t < mesh.triangle_count(); ++t) {
             const auto [a, b, c] = mesh.corners(t);
@@ -75,8 +98,11 @@ struct LeastSquares::State {
         BlockCholesky solver(view, order);
         const BlockMatrix sum =
             combined(normal, smoothing * area * sites.total_weight(), smoothness);
-        const std::size_t bad = solver.factor(view, sum.diagonal, sum.off_diagonal);
-        if (bad < solver.size()) return singular(static_cast<Index>(bad));
+        // With smoothing the system is positive definite wherever the mesh is fine enough for
+        // the data; what thin triangles lose to rounding is harmless.
+        const LostPivots lost = smoothing > 0 ? LostPivots::Raise : LostPivots::Refuse;
+        const std::size_t bad = solver.factor(view, sum.diagonal, sum.off_diagonal, lost);
+        if (bad < solver.size()) return singular("vertex " + std::to_string(bad));
         return solver;
     }
 
@@ -187,6 +213,7 @@ struct LeastSquares::State {
     mesh::VertexStars graph;
     BlockMatrix normal;
     BlockMatrix smoothness;
+    bool determined;
     double area = 0;
     std::size_t used = 0;  ///< points of positive weight
     std::vector<Index> order;
@@ -228,6 +255,7 @@ Result<FittedSpline> LeastSquares::fit(std::span<const double> values,
                          "non_finite_input: its value is not a number of at most 1e150; leave the "
                          "point out or correct it",
                          "point " + std::to_string(k)};
+    if (!state_->determined && smoothing != 0.0) return singular("points");
     if (!smoothing) return state_->validated(values);
     if (!(*smoothing >= 0) || std::isinf(*smoothing))
         return Error{ErrorCode::InvalidArgument,

@@ -199,6 +199,11 @@ TEST(PsFit, BadInputIsNamed) {
     std::vector<double> z(5, 1);
     // Five points do not determine 147 numbers.
     EXPECT_EQ(squares->fit(z, 0.0).error().message.substr(0, 15), "singular_system");
+    const std::vector<Vec2> line{{0.1, 0.1}, {0.2, 0.2}, {0.4, 0.4}};
+    const std::vector<Index> where(3, 0);
+    // Whatever the triangles: a plane through a line is not determined, smoothing or not.
+    const auto thin = LeastSquares::create(scene.space, {line, where, {}});
+    EXPECT_EQ(thin->fit(std::span(z).first(3), 1.0).error().where, "points");
     EXPECT_EQ(squares->fit(std::span(z).first(4), 1.0).error().message.substr(0, 13),
               "size_mismatch");
     EXPECT_EQ(squares->fit(z, -1.0).error().code, ErrorCode::InvalidArgument);

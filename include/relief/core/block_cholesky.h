@@ -33,6 +33,13 @@ struct GraphView {
 using Block3 = std::array<double, 9>;  ///< row by row
 using Column3 = std::array<double, 3>;
 
+/// What becomes of pivots of which rounding left not more than 1e-13 of the matrix' own element.
+enum class LostPivots {
+    Refuse,  ///< the matrix is singular
+    Raise,   ///< to 1e-8 of that element: the unknown follows those after it. For matrices that are
+             ///< known to be positive definite.
+};
+
 /// The factors L D L^T of a matrix whose block (v, w) is zero unless v = w or v and w are
 /// neighbours. For planar graphs in the order of nested dissection they have O(n log n) blocks, and
 /// factoring takes O(n^1.5).
@@ -47,10 +54,10 @@ class BlockCholesky {
 
     /// diagonal[v] is block (v, v); off_diagonal[k] is block (v, items[k]) for the k-th neighbour
     /// in the graph, of which those with the later vertex in the order as v are read.
-    /// Returns the vertex at which the matrix turned out not to be positive definite to 1e-13 of
-    /// its largest diagonal element, or size().
+    /// Returns the vertex whose pivot was lost and refused, or size().
     [[nodiscard]] std::size_t factor(const GraphView& graph, std::span<const Block3> diagonal,
-                                     std::span<const Block3> off_diagonal);
+                                     std::span<const Block3> off_diagonal,
+                                     LostPivots lost = LostPivots::Refuse);
 
     /// x = A^-1 x in place, x[v] being the three numbers of vertex v. Requires: factored.
     void solve(std::span<Column3> x) const;

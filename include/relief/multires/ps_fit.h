@@ -59,7 +59,8 @@ class LeastSquares {
 
     /// Errors: `size_mismatch`, `non_finite_input` naming the point; InvalidArgument for smoothing
     /// that is negative or not a number; BadInput `singular_system` naming a vertex whose
-    /// B-splines the data do not determine. Complexity: O(points + n^1.5) for given smoothing, ten
+    /// B-splines the data do not determine without smoothing, or "points" that lie on a line (or,
+    /// for jumps, on a conic). Complexity: O(points + n^1.5) for given smoothing, ten
     /// to twelve times that for none. The same bits for any number of threads.
     [[nodiscard]] Result<FittedSpline> fit(std::span<const double> values,
                                            std::optional<double> smoothing = {}) const;
