@@ -1,4 +1,4 @@
-#include "multires/ps_stencil.h"
+#include "multires/ps_rings.h"
 
 #include <algorithm>
 
