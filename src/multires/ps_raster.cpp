@@ -116,7 +116,7 @@ class Painter {
             }
             const std::int64_t band = first / kBandRows;
             // Backwards, so that of several triangles the one of the smallest number is last.
-            for (Index k = begin_[band + 1]; k-- > begin_[band];)
+            for (std::size_t k = begin_[band + 1]; k-- > begin_[band];)
                 paint_triangle(triangles_[k], {first, last - 1});
         });
     }
@@ -212,13 +212,20 @@ class Painter {
     std::vector<Index> triangles_;
 };
 
-Status check_frame(const RasterFrame& frame) {
-    const bool finite = std::isfinite(frame.first.x) && std::isfinite(frame.first.y) &&
-                        std::isfinite(frame.step.x) && std::isfinite(frame.step.y);
-    if (finite && frame.step.x > 0 && frame.step.y != 0) return {};
+/// Steps that coordinates can tell apart, none of which are infinite.
+bool fine_steps(double first, double step, std::int64_t count) {
+    const double last = first + static_cast<double>(count) * step;
+    return std::max(std::abs(first), std::abs(last)) <= std::abs(step) * 0x1p50;
+}
+
+Status check_frame(const RasterFrame& frame, Vec2 origin, GridView<double> out) {
+    if (frame.step.x > 0 && frame.step.y != 0 &&
+        fine_steps(frame.first.x - origin.x, frame.step.x, out.cols) &&
+        fine_steps(frame.first.y - origin.y, frame.step.y, out.rows))
+        return {};
     return Error{ErrorCode::InvalidArgument,
                  "invalid_frame: first sample and steps must be finite, the step in x positive, "
-                 "that in y not zero",
+                 "that in y not zero, and both large enough to tell coordinates apart",
                  ""};
 }
 
@@ -226,7 +233,7 @@ Status check_frame(const RasterFrame& frame) {
 
 Status evaluate_raster(const Surface& surface, const RasterFrame& frame, GridView<double> out,
                        int component, Outside outside, const mesh::TriangleLocator* locator) {
-    RELIEF_CHECK(check_frame(frame));
+    RELIEF_CHECK(check_frame(frame, surface.space().mesh.origin, out));
     if (component < 0 || component >= surface.components())
         return Error{ErrorCode::InvalidArgument, "component_count: the surface has no such component",
                      "component " + std::to_string(component)};

@@ -75,8 +75,9 @@ struct RasterFrame {
 
 /// The values of a component at the samples of a raster, triangle by triangle along its rows. A
 /// sample on an edge belongs to the triangle of the smallest number. Outside as for `evaluate`;
-/// only Nearest needs the locator. Errors: `invalid_frame` (not finite, or steps not positive in x
-/// or zero in y), `component_count`, `outside_domain`. Complexity: O(samples + n).
+/// only Nearest needs the locator. Errors: `invalid_frame` (steps not positive in x, zero
+/// in y, not finite, or lost in the digits of the coordinates), `component_count`,
+/// `missing_locator` (Nearest), `outside_domain`. Complexity: O(samples + n).
 [[nodiscard]] Status evaluate_raster(const Surface& surface, const RasterFrame& frame,
                                      GridView<double> out, int component = 0,
                                      Outside outside = Outside::Nan,
