@@ -14,8 +14,8 @@ using namespace test;
 using spline::PlaneJet;
 
 Space grid_space(Index cols, Index rows, double shake, std::uint64_t seed = 1) {
-    return must(make_space(
-        relief::test::built(relief::test::triangle_grid(cols, rows, shake, {}, seed))));
+    return must(
+        make_space(relief::test::built(relief::test::triangle_grid(cols, rows, shake, {}, seed))));
 }
 
 Surface surface_of(const Space& space, const std::vector<Coefficients>& components) {
@@ -109,8 +109,8 @@ TEST(PsSurface, OutsideTheDomain) {
 /// of the border of a piece.
 TEST(PsSurface, RasterIsPointwise) {
     rc::check("random frames", [] {
-        const Space space = grid_space(*rc::gen::inRange<Index>(1, 9),
-                                       *rc::gen::inRange<Index>(1, 9), 0.19, 5);
+        const Space space =
+            grid_space(*rc::gen::inRange<Index>(1, 9), *rc::gen::inRange<Index>(1, 9), 0.19, 5);
         const Surface surface = surface_of(space, {random_spline(space, 6)});
         const mesh::TriangleLocator locator(space.mesh);
         Noise noise(*rc::gen::arbitrary<std::uint32_t>());

@@ -34,16 +34,13 @@ class Surface {
     /// The same for all components, into components() elements.
     void jets(mesh::Index triangle, Vec2 point, spline::PlaneJet* out) const;
 
-    /// The six pieces of a component in a triangle, as polynomials about Z.
-    [[nodiscard]] spline::PsPolynomials polynomials(mesh::Index triangle, int component = 0) const;
-    /// The piece, 0 .. 5, in which `jet` evaluates.
-    [[nodiscard]] int piece_of(mesh::Index triangle, Vec2 point) const;
+    /// The numbers of a triangle, for this library's own loops.
+    [[nodiscard]] const double* numbers(mesh::Index triangle) const {
+        return blocks_.data() + static_cast<std::size_t>(triangle) * stride_;
+    }
 
   private:
     Surface(const Space& space, int components);
-    [[nodiscard]] const double* block(mesh::Index triangle) const {
-        return blocks_.data() + static_cast<std::size_t>(triangle) * stride_;
-    }
 
     const Space* space_;
     int components_;
