@@ -12,23 +12,23 @@ namespace relief::mesh {
 
 namespace {
 
-constexpr Index kBand = 32;  ///< rows that share a list of triangles
+constexpr Index kBand = 8;  ///< rows that share a list of triangles
 
-/// The numbers of samples between two places along an axis, and one more on each side; clamped to
-/// 0 .. count.
+/// Numbers of samples, from begin to end - 1.
 struct Span {
     Index begin = 0;
     Index end = 0;
 };
 
+/// Those between two places along an axis, up to rounding.
 Span samples_between(double low, double high, double first, double step, Index count) {
     const double a = (low - first) / step;
     const double b = (high - first) / step;
     const auto clamped = [count](double t) {
         return static_cast<Index>(std::clamp(t, 0.0, static_cast<double>(count)));
     };
-    const Index begin = clamped(std::floor(std::min(a, b)));
-    return {begin, std::max(begin, clamped(std::ceil(std::max(a, b)) + 1))};
+    const Index begin = clamped(std::ceil(std::min(a, b)));
+    return {begin, std::max(begin, clamped(std::floor(std::max(a, b)) + 1))};
 }
 
 }  // namespace
@@ -37,7 +37,7 @@ RowScan::RowScan(const Triangulation& mesh, const SampleRows& samples)
     : mesh_(mesh), samples_(samples), first_(samples.rows / kBand + 2) {
     const auto each_band = [&](auto visit) {
         for (Index t = 0; t < mesh.triangle_count(); ++t) {
-            const Box box = box_of(mesh.corners(t));
+            const Box box = box_of(mesh.corners(t)).grown(std::abs(samples.step.y));
             const Span rows =
                 samples_between(box.low.y, box.high.y, samples.first.y - mesh.origin.y,
                                 samples.step.y, samples.rows);

@@ -33,7 +33,7 @@ struct SampleRun {
 class RowScan {
   public:
     /// The mesh must outlive the scan and keep its address. Requires: at least one row and column,
-    /// all places finite. Complexity: O(n + rows); memory: 4 bytes for each triangle in each 32
+    /// all places finite. Complexity: O(n + rows); memory: 4 bytes for each triangle in each 8
     /// rows that it meets.
     RowScan(const Triangulation& mesh, const SampleRows& samples);
 
@@ -46,7 +46,7 @@ class RowScan {
 
     const Triangulation& mesh_;
     SampleRows samples_;
-    std::vector<Index> first_;      ///< the triangles at rows 32 b .. 32 b + 31, ascending, are
+    std::vector<Index> first_;      ///< the triangles at rows 8 b .. 8 b + 7, ascending, are
     std::vector<Index> triangles_;  ///< triangles_[first_[b]] .. triangles_[first_[b + 1] - 1]
 };
 
