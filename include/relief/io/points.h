@@ -8,8 +8,8 @@
 #include "relief/core/result.h"
 #include "relief/core/vec2.h"
 
-/// Scattered points from text files (.xyz .csv .txt), and columns of numbers to CSV. docs/points.md
-/// says what is read.
+/// Scattered points from text files (.xyz .csv .txt), and columns of numbers to CSV. See
+/// docs/triangulations.md.
 namespace relief::io {
 
 /// Which columns of a file are what: a name of its first line, whatever its case, or a number

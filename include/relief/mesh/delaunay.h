@@ -34,7 +34,7 @@ struct Delaunay {
 /// `non_finite_input` (also beyond 1e150), `too_few_points` (fewer than three places),
 /// `collinear_points`, `degenerate_triangle` (points too close to each other or to a line, see
 /// `build`). Complexity: O(n log n), whatever the points (expected, over the choice of a fixed
-/// order); transient memory of about 140 bytes a point beside the result of about 145.
+/// order); memory: up to about 200 bytes a point, of which the result keeps 116.
 [[nodiscard]] Result<Delaunay> delaunay(std::span<const Vec2> points,
                                         const DelaunayOptions& options = {});
 
