@@ -24,7 +24,12 @@ namespace {
 constexpr std::size_t kLongestLine = std::size_t{1} << 20;
 constexpr std::size_t kMostPoints = 0x7FFFFFFF;
 
-enum Role : std::size_t { kX, kY, kWeight, kValue, kRoles };
+/// What columns are for.
+constexpr std::size_t kX = 0;
+constexpr std::size_t kY = 1;
+constexpr std::size_t kWeight = 2;
+constexpr std::size_t kValue = 3;
+constexpr std::size_t kRoles = 4;
 
 constexpr std::array<std::string_view, kRoles> kRoleNames = {"x", "y", "weight", "value"};
 
@@ -302,7 +307,7 @@ Status write_csv(const std::string& path, std::span<const CsvColumn> columns) {
     RELIEF_TRY(OutputFile file, OutputFile::create(path));
     std::string text;
     const auto flush = [&] {
-        const Status written =
+        Status written =
             file.write({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
         text.clear();
         return written;

@@ -117,7 +117,7 @@ class Output {
     }
 
     Status flush() {
-        const Status written =
+        Status written =
             file_.write({reinterpret_cast<const std::uint8_t*>(bytes_.data()), bytes_.size()});
         bytes_.clear();
         return written;
@@ -144,10 +144,11 @@ Status add_arrays(const BezierTriangles& triangles, Output& output) {
     RELIEF_CHECK(output.add_array<std::uint8_t>(cells.size(), [&cells = cells](auto add) {
         for (std::size_t k = 0; k < cells.size(); ++k) add(kBezierTriangle);
     }));
-    for (const VtkField& field : fields)
+    for (const VtkField& field : fields) {
         RELIEF_CHECK(output.add_array<double>(field.values.size(), [&field](auto add) {
             std::for_each(field.values.begin(), field.values.end(), add);
         }));
+    }
     return {};
 }
 
