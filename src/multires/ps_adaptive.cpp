@@ -298,6 +298,21 @@ Status check(const ScatteredData& data, const AdaptiveOptions& options) {
 
 }  // namespace
 
+std::vector<std::size_t> spread_points(std::span<const Vec2> points, std::size_t count) {
+    const std::vector<double> no_values(points.size());
+    const std::vector<Place> places = places_of({points, no_values, {}});
+    std::vector<std::uint8_t> chosen(places.size(), 0);
+    add_hull(places, chosen);
+    const auto hull =
+        static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), std::uint8_t{1}));
+    if (!places.empty() && count > hull) add_spread(places, count - hull, chosen);
+    std::vector<std::size_t> found;
+    for (std::size_t k = 0; k < places.size(); ++k)
+        if (chosen[k] != 0) found.push_back(places[k].first);
+    std::sort(found.begin(), found.end());
+    return found;
+}
+
 Result<AdaptiveSurface> fit_within(const ScatteredData& data, const AdaptiveOptions& options) {
     RELIEF_CHECK(check(data, options));
     if (data.points.size() < 3)

@@ -108,5 +108,20 @@ TEST(PsAdaptive, BadInputIsNamed) {
     EXPECT_EQ(fit_within(line.view(), {1}).error().message.substr(0, 16), "collinear_points");
 }
 
+TEST(PsAdaptive, SpreadPointsAreTheHullAndTheMiddlesOfCells) {
+    // A lattice of 9 x 9 around (4, 4): its hull are four corners, 9 cells have their middles at
+    // (4 + 8/3 i, 4 + 8/3 j), next to which lie 1, 4 and 7. (4, 4) is there twice.
+    std::vector<Vec2> points{{4, 4}};
+    for (int y = 0; y < 9; ++y)
+        for (int x = 0; x < 9; ++x) points.push_back({double(x), double(y)});
+    std::vector<Vec2> found;
+    for (const std::size_t k : spread_points(points, 14)) found.push_back(points[k]);
+    const std::vector<Vec2> expected{{4, 4}, {0, 0}, {8, 0}, {1, 1}, {4, 1}, {7, 1}, {1, 4},
+                                     {7, 4}, {1, 7}, {4, 7}, {7, 7}, {0, 8}, {8, 8}};
+    EXPECT_EQ(found, expected);
+    EXPECT_EQ(spread_points(points, 0), (std::vector<std::size_t>{1, 9, 73, 81}));
+    EXPECT_TRUE(spread_points({}, 5).empty());
+}
+
 }  // namespace
 }  // namespace relief::multires::ps

@@ -17,6 +17,12 @@ struct ScatteredData {
     std::span<const double> weights;  ///< of the least squares, not negative; empty: all 1
 };
 
+/// About `count` of the points that make good vertices, ascending: those of the convex hull, and of
+/// each cell of a lattice that which is nearest to its middle. Of points at one place the first is
+/// taken. Requires: points are finite. Complexity: O(n log n).
+[[nodiscard]] std::vector<std::size_t> spread_points(std::span<const Vec2> points,
+                                                     std::size_t count);
+
 struct AdaptiveOptions {
     double max_error = 0;  ///< of every point, whatever its weight
     /// Vertices to begin with, beside those of the convex hull.
