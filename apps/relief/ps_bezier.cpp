@@ -11,8 +11,16 @@ using mesh::Index;
 namespace {
 
 /// The control points of an element: those of corner or edge k, three after each other.
-enum Point : std::uint32_t { kCorner = 0, kNext = 3, kPrevious = 6, kInner = 9, kEdge = 12,
-                             kSpoke = 15, kCentre = 18, kPoints = 19 };
+enum Point : std::uint32_t {
+    kCorner = 0,
+    kNext = 3,
+    kPrevious = 6,
+    kInner = 9,
+    kEdge = 12,
+    kSpoke = 15,
+    kCentre = 18,
+    kPoints = 19
+};
 
 /// The six control points of each piece, corners first (io::BezierTriangles).
 constexpr std::array<std::array<std::uint32_t, 6>, 6> kPieces = [] {
@@ -20,7 +28,7 @@ constexpr std::array<std::array<std::uint32_t, 6>, 6> kPieces = [] {
     for (std::uint32_t k = 0; k < 3; ++k) {
         const std::uint32_t after = k == 2 ? 0 : k + 1;
         pieces[2 * k] = {kCorner + k, kEdge + k, kCentre, kNext + k, kSpoke + k, kInner + k};
-        pieces[2 * k + 1] = {kEdge + k,          kCorner + after, kCentre,
+        pieces[2 * k + 1] = {kEdge + k,         kCorner + after, kCentre,
                              kPrevious + after, kInner + after,  kSpoke + k};
     }
     return pieces;
@@ -71,8 +79,8 @@ void add_triangle(const PsLevel& level, std::span<const ps::TangentPlanes> plane
     const auto& v = mesh.triangles[t];
     std::array<std::array<double, kPoints>, 3> values{};
     for (std::size_t m = 0; m < planes.size(); ++m)
-        values[m] = values_of(
-            element.ordinates({planes[m][v[0]], planes[m][v[1]], planes[m][v[2]]}));
+        values[m] =
+            values_of(element.ordinates({planes[m][v[0]], planes[m][v[1]], planes[m][v[2]]}));
     const auto first = static_cast<std::uint32_t>(nets.points.size());
     const auto places = places_of(element);
     for (std::uint32_t k = 0; k < kPoints; ++k) {
@@ -106,9 +114,10 @@ Status write_bezier(const PsLevel& level, const std::string& path) {
         planes.push_back(ps::tangent_planes(level.space(), spline));
     Nets nets;
     for (Index t = 0; t < mesh.triangle_count(); ++t) add_triangle(level, planes, t, nets);
-    return io::write_vtu(
-        path, {nets.points, nets.cells,
-               {{"value", components, nets.values}, {"gradient", 2, nets.gradients}}});
+    return io::write_vtu(path,
+                         {nets.points,
+                          nets.cells,
+                          {{"value", components, nets.values}, {"gradient", 2, nets.gradients}}});
 }
 
 }  // namespace relief::cli

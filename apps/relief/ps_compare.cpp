@@ -19,7 +19,7 @@ constexpr int kSamples = 512;
 struct Pairs {
     std::vector<Vec2> places;
     std::vector<double> reference;  ///< components a place
-    std::vector<double> other;
+    std::vector<double> other = {};
     std::size_t components = 1;
 };
 
@@ -107,15 +107,14 @@ double diagonal_of(const Pairs& pairs, const Differences& d) {
 
 }  // namespace
 
-Result<Outcome> compare_ps(const std::string& a, const std::string& b,
-                           const std::string& columns) {
+Result<Outcome> compare_ps(const std::string& a, const std::string& b, const std::string& columns) {
     const bool points_first = is_points(a);
     if (!(points_first || holds_ps(a)) || !(is_points(b) || holds_ps(b)) ||
         (points_first && is_points(b)))
         return Error{ErrorCode::BadInput,
                      "points are compared with a Powell-Sabin spline, and that with another one",
                      a + " and " + b};
-    RELIEF_TRY(Pairs pairs, points_first     ? at_points(a, b, columns)
+    RELIEF_TRY(Pairs pairs, points_first   ? at_points(a, b, columns)
                             : is_points(b) ? at_points(b, a, columns)
                                            : of_surfaces(a, b));
     if (!points_first && is_points(b)) std::swap(pairs.reference, pairs.other);
@@ -136,9 +135,9 @@ Result<Outcome> compare_ps(const std::string& a, const std::string& b,
                         {"diagonal", diagonal_of(pairs, d)},
                         {"worst", Json{{"x", worst.x}, {"y", worst.y}}},
                         {"outside", d.outside}};
-    outcome.text = fmt::format(
-        "{} places: max error {} at {}, {}; rms error {}; error energy {:.4g} %\n",
-        grouped(d.samples), shown(d.most), worst.x, worst.y, shown(rms), percent);
+    outcome.text =
+        fmt::format("{} places: max error {} at {}, {}; rms error {}; error energy {:.4g} %\n",
+                    grouped(d.samples), shown(d.most), worst.x, worst.y, shown(rms), percent);
     if (d.outside > 0)
         outcome.text += fmt::format("{} places lie outside one of them\n", grouped(d.outside));
     return outcome;

@@ -45,7 +45,7 @@ struct Frame {
     [[nodiscard]] GeoReference geo() const {
         GeoReference geo;
         geo.transform = {corner.x + static_cast<double>(box.col0) * cell, cell, 0,
-                         corner.y - static_cast<double>(box.row0) * cell, 0, -cell};
+                         corner.y - static_cast<double>(box.row0) * cell, 0,    -cell};
         return geo;
     }
 };
@@ -72,10 +72,10 @@ Result<Frame> aligned_frame(const Extent& extent, double cell) {
     const double cols = std::max(1.0, east - west);
     const double rows = std::max(1.0, north - south);
     if (!(cols <= INT32_MAX && rows <= INT32_MAX))
-        return Error{ErrorCode::InvalidArgument,
-                     fmt::format("cells of {} make the raster too large; give a larger --cell",
-                                 shown(cell)),
-                     ""};
+        return Error{
+            ErrorCode::InvalidArgument,
+            fmt::format("cells of {} make the raster too large; give a larger --cell", shown(cell)),
+            ""};
     return Frame{{west * cell, north * cell},
                  cell,
                  {0, 0, static_cast<std::int64_t>(rows), static_cast<std::int64_t>(cols)}};
@@ -121,9 +121,8 @@ Result<Raster> sample(const ps::Surface& surface, const Frame& frame) {
 Status write_samples(const ps::Surface& surface, const Frame& frame, const std::string& path,
                      const Globals& globals) {
     const Progress progress = progress_bar(globals, "decoding");
-    RELIEF_TRY(auto writer,
-               io::RasterWriter::create(path, description_of(frame), surface.components(),
-                                        io::Holes::Possible));
+    RELIEF_TRY(auto writer, io::RasterWriter::create(path, description_of(frame),
+                                                     surface.components(), io::Holes::Possible));
     const LatticeBox& box = frame.box;
     const std::int64_t height = std::max<std::int64_t>(1, kStrip / box.cols);
     for (std::int64_t row = 0; row < box.rows; row += height) {
@@ -199,10 +198,10 @@ Status write_triangles(const PsLevel& level, const PsDecodeVerb& verb, const std
         RELIEF_TRY(missing, io::write_mesh(verb.out, polygons));
     }
     outcome.json["samples"] = mesh.vertex_count();
-    outcome.text = fmt::format("{}: {} vertices and {} triangles of level {}\n", verb.out,
-                               grouped(mesh.vertex_count()), grouped(mesh.triangle_count()),
-                               verb.level) +
-                   left_out(missing);
+    outcome.text =
+        fmt::format("{}: {} vertices and {} triangles of level {}\n", verb.out,
+                    grouped(mesh.vertex_count()), grouped(mesh.triangle_count()), verb.level) +
+        left_out(missing);
     return {};
 }
 
@@ -233,8 +232,7 @@ Result<Outcome> decode_ps(const PsDecodeVerb& verb, const Globals& globals) {
     std::string extension = std::filesystem::path(verb.out).extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    const bool triangles =
-        extension == ".csv" || extension == ".vtu" || io::names_mesh(verb.out);
+    const bool triangles = extension == ".csv" || extension == ".vtu" || io::names_mesh(verb.out);
     if (triangles && (verb.cell || verb.scale != 1 || !verb.window.empty()))
         return Error{ErrorCode::InvalidArgument, "--cell, --scale and --window are for rasters",
                      verb.out};

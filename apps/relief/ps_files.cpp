@@ -55,8 +55,7 @@ std::string text_of(const codec::PsFile& file, const std::string& path, const Js
         "scheme powell-sabin on {} vertices and {} triangles{}, {} levels, {}\n"
         "x {} .. {}, y {} .. {}\n",
         path, file.version(), grouped(static_cast<std::int64_t>(file.size())),
-        sound ? "hold" : "DO NOT HOLD",
-        grouped(static_cast<std::int64_t>(file.counts(0).vertices)),
+        sound ? "hold" : "DO NOT HOLD", grouped(static_cast<std::int64_t>(file.counts(0).vertices)),
         grouped(static_cast<std::int64_t>(file.counts(0).triangles)),
         file.delaunay() ? " (Delaunay)" : "", file.levels(),
         file.holds_values() ? "values at vertices" : "coefficients", shown(low_x), shown(high_x),
@@ -94,8 +93,8 @@ bool is_points(const std::string& path) {
 
 Result<codec::PsFile> open_ps(const std::string& path, std::optional<std::uint64_t> max_bytes) {
     RELIEF_TRY(auto source, io::open_source(path));
-    auto file = codec::PsFile::open(
-        std::move(source), max_bytes.value_or(std::numeric_limits<std::uint64_t>::max()));
+    auto file = codec::PsFile::open(std::move(source),
+                                    max_bytes.value_or(std::numeric_limits<std::uint64_t>::max()));
     if (!file.ok()) return located(file.error(), path);
     return file;
 }
@@ -113,7 +112,8 @@ Result<io::PointColumns> columns_of(const std::string& text) {
     std::vector<std::string> names;
     std::istringstream fields(text);
     for (std::string name; std::getline(fields, name, ',');) names.push_back(name);
-    const bool empty = std::any_of(names.begin(), names.end(), [](const auto& n) { return n.empty(); });
+    const bool empty =
+        std::any_of(names.begin(), names.end(), [](const auto& n) { return n.empty(); });
     if (names.size() < 3 || names.size() > 4 || empty || text.back() == ',')
         return Error{ErrorCode::InvalidArgument,
                      "--columns takes X,Y,VALUE[,WEIGHT], not '" + text + "'", ""};
@@ -183,11 +183,11 @@ Result<Outcome> info_of_points(const std::string& path) {
                         {"min", *least},
                         {"max", *most},
                         {"checksums_ok", nullptr}};
-    outcome.text = fmt::format(
-        "{}: {} points{}\nx {} .. {}, y {} .. {}, value {} .. {}\n", path,
-        grouped(static_cast<std::int64_t>(points.places.size())),
-        points.weights.empty() ? "" : " with weights", shown(west->x), shown(east->x),
-        shown(south->y), shown(north->y), shown(*least), shown(*most));
+    outcome.text =
+        fmt::format("{}: {} points{}\nx {} .. {}, y {} .. {}, value {} .. {}\n", path,
+                    grouped(static_cast<std::int64_t>(points.places.size())),
+                    points.weights.empty() ? "" : " with weights", shown(west->x), shown(east->x),
+                    shown(south->y), shown(north->y), shown(*least), shown(*most));
     return outcome;
 }
 
@@ -258,14 +258,15 @@ Result<Outcome> edit_ps(const std::string& in, const std::string& out, int level
         high = {std::max(high.x, place.x), std::max(high.y, place.y)};
     }
     Outcome outcome;
-    outcome.json = Json{
-        {"moved", moves.size()},
-        {"touched", touched},
-        {"bounds", touched == 0 ? Json(nullptr) : Json::array({low.x, low.y, high.x, high.y})},
-        {"edits", after_file->moves().size()},
-        {"bytes", edited->size()}};
-    outcome.text = fmt::format("{}: {} control triangles of level {} moved, {} of level 0 touched\n",
-                               out, moves.size(), level, grouped(touched));
+    outcome.json =
+        Json{{"moved", moves.size()},
+             {"touched", touched},
+             {"bounds", touched == 0 ? Json(nullptr) : Json::array({low.x, low.y, high.x, high.y})},
+             {"edits", after_file->moves().size()},
+             {"bytes", edited->size()}};
+    outcome.text =
+        fmt::format("{}: {} control triangles of level {} moved, {} of level 0 touched\n", out,
+                    moves.size(), level, grouped(touched));
     return outcome;
 }
 
@@ -277,7 +278,9 @@ Result<PsJets> evaluate_ps(const std::string& path, const std::vector<Vec2>& poi
     result.components = level->surface.components();
     result.jets.resize(points.size() * static_cast<std::size_t>(result.components));
     const mesh::TriangleLocator locator(level->space().mesh);
-    if (const Status status = ps::evaluate(level->surface, locator, points, result.jets, ps::Outside::Nan); !status.ok())
+    if (const Status status =
+            ps::evaluate(level->surface, locator, points, result.jets, ps::Outside::Nan);
+        !status.ok())
         return located(status.error(), path);
     return result;
 }

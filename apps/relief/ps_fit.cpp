@@ -98,12 +98,13 @@ std::string notes_of(const codec::EncodedPoints& encoded, const std::optional<co
     };
     std::string text;
     if (encoded.smoothing) text += fmt::format("smoothing {}\n", shown(*encoded.smoothing));
-    text += count(encoded.merged, "points lie where others do: the surface passes through the mean");
+    text +=
+        count(encoded.merged, "points lie where others do: the surface passes through the mean");
     text += count(encoded.outside, "points lie outside the mesh and were left out");
     if (encoded.beyond > 0)
-        text += count(encoded.beyond,
-                      fmt::format("points are not within {}: {}", shown(goal->value), encoded.reason)
-                          .c_str());
+        text += count(encoded.beyond, fmt::format("points are not within {}: {}",
+                                                  shown(goal->value), encoded.reason)
+                                          .c_str());
     return text;
 }
 
@@ -114,9 +115,8 @@ Result<Outcome> fit_points(const FitVerb& verb, const Globals& globals) {
     RELIEF_TRY(const codec::PointMethod method, method_of(verb));
     RELIEF_TRY(const io::PointColumns columns, columns_of(verb.columns));
     RELIEF_TRY(const io::PointSet points, io::read_points(verb.in, columns));
-    const auto encoded =
-        codec::encode_points({points.places, points.values, points.weights}, method, verb.goal,
-                             progress_bar(globals, "fitting"));
+    const auto encoded = codec::encode_points({points.places, points.values, points.weights},
+                                              method, verb.goal, progress_bar(globals, "fitting"));
     if (!encoded.ok()) return located(encoded.error(), verb.in);
     RELIEF_CHECK(io::write_file_atomically(verb.out, encoded->bytes));
     Outcome outcome;
@@ -132,8 +132,7 @@ Result<Outcome> fit_points(const FitVerb& verb, const Globals& globals) {
     return outcome;
 }
 
-Result<mesh::Triangulation> triangulation_of(const PolygonMesh& polygons,
-                                             const std::string& path) {
+Result<mesh::Triangulation> triangulation_of(const PolygonMesh& polygons, const std::string& path) {
     std::vector<Vec2> vertices;
     for (const auto& v : polygons.vertices) vertices.push_back({v[0], v[1]});
     std::vector<std::array<mesh::Index, 3>> triangles;

@@ -136,9 +136,8 @@ Result<View> view_of(const std::string& path, double exaggeration) {
                 view.high = std::max(view.high, raster.planes[0](r, c));
             }
     if (!(exaggeration > 0))
-        view.exaggeration =
-            io::auto_exaggeration(raster.planes[0].view(), raster.mask.view(),
-                                  io::cell_size_metres(raster.geo, raster.rows));
+        view.exaggeration = io::auto_exaggeration(raster.planes[0].view(), raster.mask.view(),
+                                                  io::cell_size_metres(raster.geo, raster.rows));
     return view;
 }
 
@@ -150,8 +149,8 @@ Result<io::Image> draw_ps(const std::string& path, const PsWireVerb& verb) {
         return Error{ErrorCode::Unsupported, "only surfaces of one component are drawn", path};
     RELIEF_TRY(const PsLevel level, open_level(file, 0));
     RELIEF_TRY(const View view, view_of(path, verb.exaggeration));
-    const double each = static_cast<double>(kDrawn) /
-                        static_cast<double>(level.space().mesh.triangles.size());
+    const double each =
+        static_cast<double>(kDrawn) / static_cast<double>(level.space().mesh.triangles.size());
     const int parts = std::clamp(static_cast<int>(std::sqrt(each)), 1, kMostParts);
     const PolygonMesh surface = tessellated(level, parts, view);
     io::MeshPictureOptions picture;

@@ -44,20 +44,20 @@ inline constexpr const char* kColumnsHelp =
 struct FitVerb {
     std::string in;
     std::string out;
-    std::optional<codec::Goal> goal;
-    std::optional<std::int64_t> vertices;
-    std::string mesh;
-    std::optional<double> smoothing;
-    std::string gradients;
+    std::optional<codec::Goal> goal = {};
+    std::optional<std::int64_t> vertices = {};
+    std::string mesh = {};
+    std::optional<double> smoothing = {};
+    std::string gradients = {};
     int levels = 0;
-    std::string columns;
+    std::string columns = {};
 };
 [[nodiscard]] Result<Outcome> fit_points(const FitVerb& verb, const Globals& globals);
 
 /// Triangles over the plane, with values at their vertices.
 [[nodiscard]] Result<Outcome> encode_triangles(const std::string& in, const std::string& out,
-                                               const SchemeOptions& scheme,
-                                               const codec::Goal& goal, const Globals& globals);
+                                               const SchemeOptions& scheme, const codec::Goal& goal,
+                                               const Globals& globals);
 /// The triangulation of a mesh of triangles over the plane, as seen from above. Errors:
 /// `not_a_triangle` and those of mesh::build.
 [[nodiscard]] Result<mesh::Triangulation> triangulation_of(const PolygonMesh& mesh,
@@ -103,9 +103,9 @@ struct PsJets {
 
 struct PsWireVerb {
     int width = 1200;
-    double exaggeration = 0;              ///< 0: from the mean slope
-    std::optional<double> viewer;         ///< degrees clockwise from north
-    std::optional<int> control_level;     ///< its control triangles over the surface
+    double exaggeration = 0;           ///< 0: from the mean slope
+    std::optional<double> viewer;      ///< degrees clockwise from north
+    std::optional<int> control_level;  ///< its control triangles over the surface
 };
 /// The surface in perspective with its triangles, or with control triangles.
 [[nodiscard]] Result<io::Image> draw_ps(const std::string& path, const PsWireVerb& verb);

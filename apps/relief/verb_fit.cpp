@@ -41,11 +41,13 @@ void add_fit(Program& program) {
         ->required();
     verb->add_option("OUT", fit.out, "the .relief file")->required();
     CLI::Option_group* goal = verb->add_option_group(
-        "Goal", "one of these; without one least squares are coded to a thousandth of their error, "
-                "everything else is lossless");
-    goal->add_option("--max-error", options->max_error,
-                     "largest error of any point, in data units; verified. Vertices are added where "
-                     "points need them");
+        "Goal",
+        "one of these; without one least squares are coded to a thousandth of their error, "
+        "everything else is lossless");
+    goal->add_option(
+        "--max-error", options->max_error,
+        "largest error of any point, in data units; verified. Vertices are added where "
+        "points need them");
     goal->add_option("--rms-error", options->rms_error,
                      "largest root mean square error of the points, in data units");
     goal->add_option("--bytes", options->bytes, "largest size of the file");

@@ -6,6 +6,7 @@
 #include "relief/mesh/delaunay.h"
 #include "relief/mesh/triangle_locator.h"
 #include "relief/multires/ps_refine.h"
+#include "relief/multires/ps_surface.h"
 
 namespace relief::codec {
 
@@ -172,17 +173,17 @@ Result<EncodedPoints> approximate(const ps::ScatteredData& data, const Approxima
         space = std::move(step.fine);
     }
 
-    Located located = locate(space.mesh, data,
-                             given != nullptr ? OutsidePoints::LeaveOut : OutsidePoints::Move);
+    Located located =
+        locate(space.mesh, data, given != nullptr ? OutsidePoints::LeaveOut : OutsidePoints::Move);
     EncodedPoints result;
     result.outside = data.points.size() - located.points.size();
     if (located.points.empty())
         return Error{ErrorCode::BadInput,
                      "no_data: none of the points lies on the triangles; compare their extents",
                      "points"};
-    RELIEF_TRY(const ps::LeastSquares squares,
-               ps::LeastSquares::create(
-                   space, {located.points, located.triangles, located.data.weights}));
+    RELIEF_TRY(
+        const ps::LeastSquares squares,
+        ps::LeastSquares::create(space, {located.points, located.triangles, located.data.weights}));
     RELIEF_TRY(ps::FittedSpline fitted, squares.fit(located.data.values, method.smoothing));
     result.smoothing = fitted.report.smoothing;
     const double rms = fitted.report.rms_error;

@@ -276,8 +276,8 @@ Status check(const ScatteredData& data, const AdaptiveOptions& options) {
         return Error{ErrorCode::InvalidArgument,
                      "invalid_parameter: the bound is a number from 0 on", "max_error"};
     if (!(options.smoothing > 0) || std::isinf(options.smoothing))
-        return Error{ErrorCode::InvalidArgument,
-                     "invalid_parameter: smoothing is a number above 0", "smoothing"};
+        return Error{ErrorCode::InvalidArgument, "invalid_parameter: smoothing is a number above 0",
+                     "smoothing"};
     if (data.values.size() != data.points.size())
         return Error{ErrorCode::BadInput,
                      "size_mismatch: " + std::to_string(data.values.size()) + " values for " +

@@ -40,9 +40,9 @@ struct EncodedPoints {
     PsReport report;
     std::optional<double> smoothing;  ///< of the least squares
     std::size_t merged = 0;           ///< Interpolation: points that share the vertex of another
-    std::size_t outside = 0;          ///< Approximation: points outside the base, which are left out
-    std::size_t beyond = 0;           ///< Insertion: points that are not within the goal
-    std::string reason;               ///< why they are not; empty if there are none
+    std::size_t outside = 0;  ///< Approximation: points outside the base, which are left out
+    std::size_t beyond = 0;   ///< Insertion: points that are not within the goal
+    std::string reason;       ///< why they are not; empty if there are none
 };
 
 /// Goals as encode_ps, measured at the points. None: for least squares the error of the spline may
