@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 #include "codec/bytes.h"
@@ -128,36 +129,47 @@ Triangulation connected(Vec2 origin, std::span<const Vec2> relative, Triangles t
     return mesh::connect(origin, std::move(x), std::move(y), std::move(triangles));
 }
 
-bool same(const Triangulation& a, const Triangulation& b) {
-    return a.origin == b.origin && a.triangles == b.triangles && a.x == b.x && a.y == b.y;
-}
-
 std::array<Index, 3> sorted(std::array<Index, 3> corners) {
     std::sort(corners.begin(), corners.end());
     return corners;
 }
 
-/// Vertices at the same places; none if they are not the same, or two share a place.
-std::optional<std::vector<Index>> vertices_by_place(const Triangulation& mesh,
-                                                    const Triangulation& other) {
-    if (mesh.x.size() != other.x.size()) return std::nullopt;
-    const auto order = [](const Triangulation& m) {
-        std::vector<Index> list(m.vertex_count());
-        std::iota(list.begin(), list.end(), 0U);
-        std::sort(list.begin(), list.end(), [&](Index a, Index b) {
-            return std::pair(m.x[a], m.y[a]) < std::pair(m.x[b], m.y[b]);
-        });
-        return list;
+/// Of each place its number among others; none if they are not the same, or two are one.
+std::optional<std::vector<Index>> numbers_of(std::span<const GridPlace> places,
+                                             std::span<const GridPlace> others) {
+    using Entry = std::tuple<std::int64_t, std::int64_t, Index>;
+    const auto entries = [](std::span<const GridPlace> list) {
+        std::vector<Entry> sorted_entries;
+        for (Index k = 0; k < list.size(); ++k)
+            sorted_entries.emplace_back(list[k].x, list[k].y, k);
+        std::sort(sorted_entries.begin(), sorted_entries.end());
+        return sorted_entries;
     };
-    const std::vector<Index> here = order(mesh);
-    const std::vector<Index> there = order(other);
-    std::vector<Index> vertices(here.size());
+    const std::vector<Entry> here = entries(places);
+    const std::vector<Entry> there = entries(others);
+    const auto place = [](const Entry& e) { return std::pair(std::get<0>(e), std::get<1>(e)); };
+    std::vector<Index> numbers(here.size());
     for (std::size_t k = 0; k < here.size(); ++k) {
-        if (mesh.vertex(here[k]) != other.vertex(there[k])) return std::nullopt;
-        if (k > 0 && mesh.vertex(here[k]) == mesh.vertex(here[k - 1])) return std::nullopt;
-        vertices[here[k]] = there[k];
+        if (place(here[k]) != place(there[k])) return std::nullopt;
+        if (k > 0 && place(here[k]) == place(here[k - 1])) return std::nullopt;
+        numbers[std::get<2>(here[k])] = std::get<2>(there[k]);
     }
-    return vertices;
+    return numbers;
+}
+
+/// The mesh with other numbers.
+Triangulation renumbered(const Triangulation& mesh, const PsNumbering& numbering) {
+    std::vector<Vec2> relative;
+    for (const Index v : numbering.vertices) relative.push_back(mesh.vertex(v));
+    std::vector<Index> back(mesh.x.size());
+    for (Index k = 0; k < back.size(); ++k) back[numbering.vertices[k]] = k;
+    Triangles triangles;
+    for (std::size_t t = 0; t < numbering.triangles.size(); ++t) {
+        const auto& corners = mesh.triangles[numbering.triangles[t]];
+        auto& turned = triangles.emplace_back();
+        for (std::size_t k = 0; k < 3; ++k) turned[k] = back[corners[(k + numbering.turns[t]) % 3]];
+    }
+    return connected(mesh.origin, relative, std::move(triangles));
 }
 
 bool is_identity(const PsNumbering& numbering) {
@@ -210,11 +222,9 @@ void code_numbering(Coder& coder, PsNumbering& numbering) {
     }
 }
 
-Bytes write_numbering(const std::optional<PsNumbering>& numbering) {
-    if (!numbering) return {};
-    PsNumbering copy = *numbering;
+Bytes write_numbering(PsNumbering numbering) {
     RangeEncoder encoder;
-    code_numbering(encoder, copy);
+    code_numbering(encoder, numbering);
     return encoder.finish();
 }
 
@@ -432,34 +442,42 @@ Result<Triangulation> built(Coded coded, std::span<const std::uint8_t> fractions
     return connected(places.origin, places.relative, std::move(coded.triangles));
 }
 
-/// The parts of a Delaunay triangulation, if that is what the mesh is.
-std::optional<CodedPsBase> encode_delaunay(const Triangulation& mesh, PsBaseHeader header,
-                                           bool keep_order) {
-    std::vector<GridPlace> places = grid_places(mesh, header.grid);
-    Parts parts{.places = write_place_set(places), .joined = {}, .fractions = {}, .numbering = {}};
-    sort_places(places);
-    auto triangles = delaunay_of(places, header);
-    if (!triangles.ok() || triangles->size() != mesh.triangles.size()) return std::nullopt;
-    const Places known = places_of(places, header.grid);
-    CodedPsBase coded;
-    coded.mesh = connected(known.origin, known.relative, *std::move(triangles));
-    if (!same(coded.mesh, mesh)) {
-        auto vertices = vertices_by_place(coded.mesh, mesh);
-        if (!vertices) return std::nullopt;
-        coded.numbering = numbering_of(coded.mesh, mesh, *std::move(vertices));
-        if (!coded.numbering) return std::nullopt;
+/// The last step of encoding: `numbering` leads from the code to the mesh.
+CodedPsBase finished(const Triangulation& mesh, const PsBaseHeader& header, Parts parts,
+                     PsNumbering numbering, bool keep_order) {
+    CodedPsBase coded{header, {}, mesh, {}};
+    if (!is_identity(numbering)) {
+        if (keep_order) {
+            parts.numbering = write_numbering(numbering);
+        } else {
+            coded.mesh = renumbered(mesh, numbering);
+            coded.numbering = std::move(numbering);
+        }
     }
-    if (keep_order) {
-        parts.numbering = write_numbering(coded.numbering);
-        coded.numbering.reset();
-        coded.mesh = mesh;
-    }
-    coded.header = std::move(header);
+    const Places known = places_of(grid_places(coded.mesh, header.grid), header.grid);
+    parts.fractions = write_fractions(coded.mesh, known.relative);
     coded.chunk = parts.joined_up();
     return coded;
 }
 
-Result<CodedPsBase> encode_connectivity(const Triangulation& mesh, PsBaseHeader header,
+/// None: the mesh is no Delaunay triangulation.
+std::optional<CodedPsBase> encode_delaunay(const Triangulation& mesh, const PsBaseHeader& header,
+                                           bool keep_order) {
+    const std::vector<GridPlace> places = grid_places(mesh, header.grid);
+    std::vector<GridPlace> ordered = places;
+    sort_places(ordered);
+    auto triangles = delaunay_of(ordered, header);
+    if (!triangles.ok()) return std::nullopt;
+    auto vertices = numbers_of(ordered, places);
+    if (!vertices) return std::nullopt;
+    auto numbering = numbering_of(*triangles, mesh.triangles, *std::move(vertices));
+    if (!numbering) return std::nullopt;
+    Parts parts;
+    parts.places = write_place_set(places);
+    return finished(mesh, header, std::move(parts), *std::move(numbering), keep_order);
+}
+
+Result<CodedPsBase> encode_connectivity(const Triangulation& mesh, const PsBaseHeader& header,
                                         bool keep_order) {
     const Fans fans = separate_fans(mesh);
     mesh::FaceList faces;
@@ -487,53 +505,29 @@ Result<CodedPsBase> encode_connectivity(const Triangulation& mesh, PsBaseHeader 
         numbering.triangles.push_back(h / 3);
         numbering.turns.push_back(h % 3);
     }
-    CodedPsBase coded;
-    coded.mesh = mesh;
-    if (!is_identity(numbering)) coded.numbering = std::move(numbering);
-    Parts parts{.places = base.bytes,
-                .joined = write_joined(joined),
-                .fractions = {},
-                .numbering = keep_order ? write_numbering(coded.numbering) : Bytes()};
-    if (!keep_order && coded.numbering) {
-        const PsNumbering& other = *coded.numbering;
-        std::vector<Vec2> relative;
-        for (const Index v : other.vertices) relative.push_back(mesh.vertex(v));
-        Triangles triangles;
-        std::vector<Index> back(mesh.x.size());
-        for (Index k = 0; k < other.vertices.size(); ++k) back[other.vertices[k]] = k;
-        for (std::size_t t = 0; t < other.triangles.size(); ++t) {
-            const auto& corners = mesh.triangles[other.triangles[t]];
-            auto& turned = triangles.emplace_back();
-            for (std::size_t k = 0; k < 3; ++k) turned[k] = back[corners[(k + other.turns[t]) % 3]];
-        }
-        coded.mesh = connected(mesh.origin, relative, std::move(triangles));
-    } else {
-        coded.numbering.reset();
-    }
-    const Places known = places_of(grid_places(coded.mesh, header.grid), header.grid);
-    parts.fractions = write_fractions(coded.mesh, known.relative);
-    coded.header = std::move(header);
-    coded.chunk = parts.joined_up();
-    return coded;
+    Parts parts;
+    parts.places = base.bytes;
+    parts.joined = write_joined(joined);
+    return finished(mesh, header, std::move(parts), std::move(numbering), keep_order);
 }
 
 }  // namespace
 
-std::optional<PsNumbering> numbering_of(const Triangulation& mesh, const Triangulation& other,
+std::optional<PsNumbering> numbering_of(std::span<const std::array<Index, 3>> triangles,
+                                        std::span<const std::array<Index, 3>> others,
                                         std::vector<Index> vertices) {
-    const std::size_t count = mesh.triangles.size();
-    if (other.triangles.size() != count) return std::nullopt;
+    if (triangles.size() != others.size()) return std::nullopt;
     using Entry = std::pair<std::array<Index, 3>, Index>;
     std::vector<Entry> there;
-    for (Index t = 0; t < count; ++t) there.emplace_back(sorted(other.triangles[t]), t);
+    for (Index t = 0; t < others.size(); ++t) there.emplace_back(sorted(others[t]), t);
     std::sort(there.begin(), there.end());
     PsNumbering numbering{std::move(vertices), {}, {}};
-    for (const auto& corners : mesh.triangles) {
+    for (const auto& corners : triangles) {
         std::array<Index, 3> renamed{};
         for (std::size_t k = 0; k < 3; ++k) renamed[k] = numbering.vertices[corners[k]];
         const auto found = std::lower_bound(there.begin(), there.end(), Entry(sorted(renamed), 0));
         if (found == there.end() || found->first != sorted(renamed)) return std::nullopt;
-        const auto& twin = other.triangles[found->second];
+        const auto& twin = others[found->second];
         const auto* turn = std::find(twin.begin(), twin.end(), renamed[0]);
         numbering.triangles.push_back(found->second);
         numbering.turns.push_back(static_cast<Index>(turn - twin.begin()));

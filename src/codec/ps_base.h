@@ -26,11 +26,11 @@ struct PsNumbering {
     std::vector<mesh::Index> triangles;  ///< of each triangle
     std::vector<mesh::Index> turns;  ///< corner k of a triangle is corner k + turn of the other's
 };
-/// The triangles and turns of two triangulations whose vertices are known to correspond; none if
-/// some triangle has no other. Complexity: O(n log n).
-[[nodiscard]] std::optional<PsNumbering> numbering_of(const mesh::Triangulation& mesh,
-                                                      const mesh::Triangulation& other,
-                                                      std::vector<mesh::Index> vertices);
+/// Of two lists of triangles whose vertices are known to correspond; none if some triangle has no
+/// other. Complexity: O(n log n).
+[[nodiscard]] std::optional<PsNumbering> numbering_of(
+    std::span<const std::array<mesh::Index, 3>> triangles,
+    std::span<const std::array<mesh::Index, 3>> others, std::vector<mesh::Index> vertices);
 
 struct CodedPsBase {
     PsBaseHeader header;

@@ -94,8 +94,8 @@ Result<LevelHeights> renumbered(const ps::Hierarchy& hierarchy, const ps::Hierar
                                 PsNumbering numbering, const LevelHeights& splines) {
     for (int m = 0; m < hierarchy.levels(); ++m) {
         auto vertices = refined_vertices(hierarchy.space(m).mesh, other.space(m).mesh, numbering);
-        auto next =
-            numbering_of(hierarchy.space(m + 1).mesh, other.space(m + 1).mesh, std::move(vertices));
+        auto next = numbering_of(hierarchy.space(m + 1).mesh.triangles,
+                                 other.space(m + 1).mesh.triangles, std::move(vertices));
         if (!next)
             return bad_data("its refinements depend on the numbers of vertices; keep their order",
                             "base");
