@@ -51,7 +51,7 @@ Result<codec::PointMethod> method_of(const FitVerb& verb) {
     if (verb.gradients.empty() && bounded && verb.mesh.empty() && verb.levels == 0) {
         codec::Insertion insertion;
         if (verb.vertices) insertion.most_vertices = static_cast<std::size_t>(*verb.vertices);
-        if (verb.smoothing) insertion.smoothing = *verb.smoothing;
+        insertion.smoothing = verb.smoothing;
         return codec::PointMethod(insertion);
     }
     if (!verb.vertices && verb.mesh.empty()) {

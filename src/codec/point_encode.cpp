@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "relief/codec/point_codec.h"
@@ -19,8 +18,11 @@ namespace {
 constexpr std::size_t kMostFineVertices = std::size_t{1} << 23;
 /// How much of the root mean square error coding may add where nothing is asked.
 constexpr double kNegligible = 1e-3;
-/// Parts of a bound that the spline may take; the code has the rest.
-constexpr std::array<double, 3> kSplineShares = {0.75, 0.5, 0.9};
+/// Parts of a bound that the spline may take; the code has the rest. The first makes the smallest
+/// files where vertices are few, the second where more than a third of the points are vertices.
+constexpr double kShareOfFew = 0.9;
+constexpr double kShareOfMany = 0.7;
+constexpr double kSmoothing = 1e-10;
 /// What code may add to the error of a spline that is not within the bound, in parts of the bound.
 constexpr double kCodeShare = 0.25;
 
@@ -217,14 +219,14 @@ Result<EncodedPoints> insert_within(const ps::ScatteredData& data, const Inserti
     RELIEF_TRY(ps::AdaptiveSurface surface,
                ps::fit_within(data, {.max_error = share * bound,
                                      .most_vertices = method.most_vertices,
-                                     .smoothing = method.smoothing,
+                                     .smoothing = method.smoothing.value_or(kSmoothing),
                                      .progress = progress}));
     const double error = surface.report.max_error;
     const bool limited = surface.space.mesh.vertex_count() >= method.most_vertices;
     if (error > bound && !limited)
         return Error{ErrorCode::BadInput, "bound_not_reached: " + surface.reason, "points"};
     EncodedPoints result;
-    result.smoothing = method.smoothing;
+    result.smoothing = surface.report.smoothing;
     const Goal goal{Goal::Kind::MaxError, error > bound ? error + kCodeShare * bound : bound};
     const PsModel model{std::move(surface.space.mesh), PsSplines{0, {std::move(surface.spline)}},
                         OwnedData(data).measured()};
@@ -243,7 +245,24 @@ Result<EncodedPoints> insert(const ps::ScatteredData& data, const Insertion& met
     if (!goal || goal->kind != Goal::Kind::MaxError)
         return Error{ErrorCode::InvalidArgument, "vertices are inserted for a largest error only",
                      ""};
-    return insert_within(data, method, goal->value, kSplineShares[0], progress);
+    const auto trial = [&](double share) {
+        return insert_within(data, method, goal->value, share, progress);
+    };
+    auto best = trial(kShareOfFew);
+    // Values at one place may be apart by nearly twice the bound.
+    if (!best.ok() && best.error().code == ErrorCode::BadInput) best = trial(1);
+    const std::size_t points = data.points.size();
+    if (!best.ok() || best->beyond > 0 ||
+        3 * static_cast<std::size_t>(best->report.vertices) <= points)
+        return best;
+    const auto keep_smaller = [&](Result<EncodedPoints> other) {
+        if (other.ok() && other->bytes.size() < best->bytes.size()) best = std::move(other);
+    };
+    keep_smaller(trial(kShareOfMany));
+    if (!method.smoothing && points <= method.most_vertices)
+        keep_smaller(interpolate(data, {}, goal, progress));
+    if (progress && !progress(1)) return Error{ErrorCode::Cancelled, "cancelled", ""};
+    return best;
 }
 
 }  // namespace

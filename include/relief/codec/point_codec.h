@@ -30,7 +30,7 @@ struct Approximation {
 /// which is a largest error.
 struct Insertion {
     std::size_t most_vertices = static_cast<std::size_t>(-1);
-    double smoothing = 1e-10;  ///< above 0
+    std::optional<double> smoothing = {};  ///< above 0; none: 1e-10, or interpolation if smaller
 };
 
 using PointMethod = std::variant<Interpolation, Approximation, Insertion>;
@@ -46,9 +46,9 @@ struct EncodedPoints {
 };
 
 /// Goals as encode_ps, measured at the points. None: for least squares the error of the spline may
-/// grow by a thousandth, otherwise lossless. Insertion divides a largest error between spline and
-/// code as makes the smallest file; if the spline needs more than most_vertices, `beyond` says how
-/// many points are off, and the file adds a quarter of the bound at most.
+/// grow by a thousandth, otherwise lossless. Insertion divides a largest error between spline
+/// and code as makes the smallest file of up to three; if the spline needs more than most_vertices,
+/// `beyond` says how many points are off, and the code adds a quarter of the bound at most.
 /// Errors: those of mesh::delaunay, multires::ps and encode_ps; BadInput `bound_not_reached` if a
 /// goal is out of reach, with the reason, `no_data` if no point lies on the base; InvalidArgument
 /// for an Insertion with another goal, and for a finest level of more than 2^23 vertices;
