@@ -101,14 +101,6 @@ Result<EncodedPoints> interpolate(const ps::ScatteredData& data, const Interpola
     return result;
 }
 
-Result<mesh::Triangulation> spread_base(const ps::ScatteredData& data, std::size_t vertices) {
-    std::vector<Vec2> chosen;
-    for (const std::size_t k : ps::spread_points(data.points, vertices))
-        chosen.push_back(data.points[k]);
-    RELIEF_TRY(mesh::Delaunay delaunay, mesh::delaunay(chosen));
-    return std::move(delaunay.mesh);
-}
-
 /// Triangles grow by nine a level, and there are about half as many vertices.
 Status check_levels(const mesh::Triangulation& base, int levels) {
     std::size_t triangles = base.triangles.size();
@@ -126,31 +118,17 @@ Status check_levels(const mesh::Triangulation& base, int levels) {
 
 /// Where the data are on a triangulation.
 struct Located {
-    OwnedData data;                ///< those that count
-    std::vector<Vec2> points;      ///< their places, inside the domain
+    OwnedData data;                ///< those on a triangle
     std::vector<Index> triangles;  ///< of each of them
 };
 
-enum class OutsidePoints {
-    LeaveOut,
-    Move,  ///< to the boundary: they are in slivers of the hull
-};
-
-Located locate(const mesh::Triangulation& mesh, const ps::ScatteredData& all,
-               OutsidePoints outside) {
+Located locate(const mesh::Triangulation& mesh, const ps::ScatteredData& all) {
     const mesh::TriangleLocator locator(mesh);
     std::vector<Index> triangles(all.points.size());
     locator.locate(all.points, triangles);
     Located found;
     for (std::size_t k = 0; k < triangles.size(); ++k) {
-        Vec2 place = all.points[k];
-        if (triangles[k] == kNone) {
-            if (outside == OutsidePoints::LeaveOut) continue;
-            const mesh::TrianglePlace nearest = locator.nearest(place);
-            triangles[k] = nearest.triangle;
-            place = nearest.point + mesh.origin;
-        }
-        found.points.push_back(place);
+        if (triangles[k] == kNone) continue;
         found.triangles.push_back(triangles[k]);
         found.data.points.push_back(all.points[k]);
         found.data.values.push_back(all.values[k]);
@@ -166,7 +144,7 @@ Result<EncodedPoints> approximate(const ps::ScatteredData& data, const Approxima
     if (given != nullptr) {
         base = *given;
     } else {
-        RELIEF_TRY(base, spread_base(data, std::get<std::size_t>(method.base)));
+        RELIEF_TRY(base, ps::spread_triangulation(data.points, std::get<std::size_t>(method.base)));
     }
     RELIEF_CHECK(check_levels(base, method.levels));
     RELIEF_TRY(ps::Space space, ps::make_space(base));
@@ -175,17 +153,16 @@ Result<EncodedPoints> approximate(const ps::ScatteredData& data, const Approxima
         space = std::move(step.fine);
     }
 
-    Located located =
-        locate(space.mesh, data, given != nullptr ? OutsidePoints::LeaveOut : OutsidePoints::Move);
+    Located located = locate(space.mesh, data);
     EncodedPoints result;
-    result.outside = data.points.size() - located.points.size();
-    if (located.points.empty())
+    result.outside = data.points.size() - located.triangles.size();
+    if (located.triangles.empty())
         return Error{ErrorCode::BadInput,
                      "no_data: none of the points lies on the triangles; compare their extents",
                      "points"};
-    RELIEF_TRY(
-        const ps::LeastSquares squares,
-        ps::LeastSquares::create(space, {located.points, located.triangles, located.data.weights}));
+    RELIEF_TRY(const ps::LeastSquares squares,
+               ps::LeastSquares::create(
+                   space, {located.data.points, located.triangles, located.data.weights}));
     RELIEF_TRY(ps::FittedSpline fitted, squares.fit(located.data.values, method.smoothing));
     result.smoothing = fitted.report.smoothing;
     const double rms = fitted.report.rms_error;
