@@ -87,7 +87,7 @@ TEST(PointEncode, InterpolationPassesThroughWeightedMeans) {
     EXPECT_NEAR(errors(data, *unweighted)[40], 1, 1e-13);
 }
 
-TEST(PointEncode, InsertionKeepsTheBoundWithFewerBytesThanAnyShareAlone) {
+TEST(PointEncode, InsertionKeepsTheBound) {
     const Data data = lattice(60);
     for (const double bound : {0.3, 0.03, 0.003}) {
         const auto encoded =
