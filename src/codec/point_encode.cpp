@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <tuple>
 
 #include "relief/codec/point_codec.h"
 #include "relief/mesh/delaunay.h"
@@ -15,6 +17,7 @@ using mesh::kNone;
 
 namespace {
 
+constexpr double kLargest = 1e150;
 constexpr std::size_t kMostFineVertices = std::size_t{1} << 23;
 /// How much of the root mean square error coding may add where nothing is asked.
 constexpr double kNegligible = 1e-3;
@@ -45,13 +48,21 @@ struct OwnedData {
 
 Status check(const ps::ScatteredData& data) {
     const std::size_t points = data.points.size();
-    if (data.values.size() == points && (data.weights.empty() || data.weights.size() == points))
-        return {};
-    return Error{ErrorCode::BadInput,
-                 "size_mismatch: " + std::to_string(points) + " points have " +
-                     std::to_string(data.values.size()) + " values and " +
-                     std::to_string(data.weights.size()) + " weights",
-                 "points"};
+    if (data.values.size() != points || (!data.weights.empty() && data.weights.size() != points))
+        return Error{ErrorCode::BadInput,
+                     "size_mismatch: " + std::to_string(points) + " points have " +
+                         std::to_string(data.values.size()) + " values and " +
+                         std::to_string(data.weights.size()) + " weights",
+                     "points"};
+    const auto usable = [](double number) { return std::abs(number) <= kLargest; };
+    for (std::size_t k = 0; k < points; ++k)
+        if (!usable(data.points[k].x) || !usable(data.points[k].y) || !usable(data.values[k]) ||
+            (!data.weights.empty() && !(usable(data.weights[k]) && data.weights[k] >= 0)))
+            return Error{ErrorCode::BadInput,
+                         "non_finite_input: its numbers are at most 1e150, its weight is not "
+                         "negative; leave the point out or correct it",
+                         "point " + std::to_string(k)};
+    return {};
 }
 
 /// A goal that can not be reached is a matter of the data.
@@ -217,17 +228,51 @@ Result<EncodedPoints> insert_within(const ps::ScatteredData& data, const Inserti
     return result;
 }
 
+/// Points at one place.
+struct Conflict {
+    std::size_t a = 0;
+    std::size_t b = 0;
+    double apart = 0;  ///< their values
+};
+
+/// The one whose values are farthest apart.
+Conflict worst_conflict(const ps::ScatteredData& data) {
+    std::vector<std::size_t> order(data.points.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    const auto key = [&](std::size_t k) {
+        return std::tuple(data.points[k].x, data.points[k].y, data.values[k], k);
+    };
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+    Conflict worst;
+    for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+        while (end < order.size() && data.points[order[end]] == data.points[order[begin]]) ++end;
+        const std::size_t low = order[begin];
+        const std::size_t high = order[end - 1];
+        const double apart = data.values[high] - data.values[low];
+        if (apart > worst.apart) worst = {std::min(low, high), std::max(low, high), apart};
+    }
+    return worst;
+}
+
 Result<EncodedPoints> insert(const ps::ScatteredData& data, const Insertion& method,
                              const std::optional<Goal>& goal, const Progress& progress) {
-    if (!goal || goal->kind != Goal::Kind::MaxError)
-        return Error{ErrorCode::InvalidArgument, "vertices are inserted for a largest error only",
-                     ""};
+    if (!goal || goal->kind != Goal::Kind::MaxError || !(goal->value >= 0))
+        return Error{ErrorCode::InvalidArgument,
+                     "vertices are inserted for a largest error, a number from 0 on", ""};
+    const double bound = goal->value;
+    const Conflict conflict = worst_conflict(data);
+    if (conflict.apart > 2 * bound && method.most_vertices >= data.points.size())
+        return Error{ErrorCode::BadInput,
+                     "bound_not_reached: points " + std::to_string(conflict.a) + " and " +
+                         std::to_string(conflict.b) +
+                         " lie at the same place and their values are farther apart than twice "
+                         "the bound; allow more, or leave one of them out",
+                     "points"};
     const auto trial = [&](double share) {
-        return insert_within(data, method, goal->value, share, progress);
+        return insert_within(data, method, bound, share, progress);
     };
-    auto best = trial(kShareOfFew);
-    // Values at one place may be apart by nearly twice the bound.
-    if (!best.ok() && best.error().code == ErrorCode::BadInput) best = trial(1);
+    auto best = trial(conflict.apart > 2 * kShareOfFew * bound ? 1 : kShareOfFew);
     const std::size_t points = data.points.size();
     if (!best.ok() || best->beyond > 0 ||
         3 * static_cast<std::size_t>(best->report.vertices) <= points)

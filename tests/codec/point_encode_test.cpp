@@ -172,11 +172,30 @@ TEST(PointEncode, Errors) {
     ASSERT_FALSE(unbounded.ok());
     EXPECT_EQ(unbounded.error().code, ErrorCode::InvalidArgument);
 
+    for (const double bad : {std::nan(""), HUGE_VAL, 1e200}) {
+        Data wrong = data;
+        wrong.points[3].y = bad;
+        EXPECT_EQ(code_of(encode_points(wrong.view(), Interpolation{})), "non_finite_input");
+        wrong = data;
+        wrong.values[4] = bad;
+        const auto named = encode_points(wrong.view(), Insertion{}, Goal{Goal::Kind::MaxError, 1});
+        EXPECT_EQ(code_of(named), "non_finite_input");
+        EXPECT_EQ(named.error().where, "point 4");
+    }
+    const auto negative = encode_points(data.view(), Insertion{}, Goal{Goal::Kind::MaxError, -1});
+    ASSERT_FALSE(negative.ok());
+    EXPECT_EQ(negative.error().code, ErrorCode::InvalidArgument);
+
     Data twice = data;
     twice.points.push_back(data.points[55]);
     twice.values.push_back(data.values[55] + 1);
     const Goal goal{Goal::Kind::MaxError, 0.4};
     EXPECT_EQ(code_of(encode_points(twice.view(), Insertion{}, goal)), "bound_not_reached");
+    // Values that are apart by nearly twice the bound leave the code little room.
+    const Goal tight{Goal::Kind::MaxError, 0.51};
+    const auto close = encode_points(twice.view(), Insertion{}, tight);
+    ASSERT_TRUE(close.ok()) << close.error().text();
+    EXPECT_LE(largest(errors(twice, *close)), 0.51);
     const auto cancelled =
         encode_points(data.view(), Insertion{}, goal, [](double) { return false; });
     ASSERT_FALSE(cancelled.ok());
