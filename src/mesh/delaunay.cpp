@@ -21,7 +21,8 @@ namespace {
 
 constexpr std::size_t kMostPoints = ((std::size_t{1} << 31) - 1) / 6;
 constexpr double kLargestCoordinate = 1e150;
-constexpr int kSiteBits = 50;  ///< coordinates of sites are integers of at most 2^50
+constexpr double kThinnestAtHull = 2e-12;  ///< more than what `build` refuses
+constexpr int kSiteBits = 50;              ///< coordinates of sites are integers of at most 2^50
 
 /// Points on a lattice around the centre of their bounding box.
 struct Lattice {
@@ -201,7 +202,7 @@ Result<Delaunay> delaunay(std::span<const Vec2> points, const DelaunayOptions& o
     std::vector<std::array<Index, 3>> triangles;
     {
         const FlipMesh flips = triangulate(sites.places, order);
-        triangles = triangles_of(flips, peeled(flips, options.peel));
+        triangles = triangles_of(flips, peeled(flips, std::max(options.peel, kThinnestAtHull)));
     }
     std::vector<double> x;
     std::vector<double> y;

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "mesh/box_tree.h"
+#include "mesh/containment.h"
 #include "mesh/nearest_edge.h"
 #include "relief/core/buffer.h"
 #include "relief/core/parallel.h"
@@ -13,22 +14,10 @@ namespace relief::mesh {
 
 namespace {
 
-constexpr double kOutside = -1e-12;    ///< barycentric coordinates that still count as inside
-constexpr double kMargin = 1e-9;       ///< of cells, relative: covers kOutside and roundings
+constexpr double kMargin = 1e-9;       ///< of cells, relative: covers the tolerance of contains()
 constexpr Index kCrowded = 24;         ///< triangles of a cell from which on the tree is asked
 constexpr double kMostEntries = 8;     ///< of all cells, a triangle
 constexpr std::int64_t kGrain = 4096;  ///< queries of a task
-
-/// Both triangles of an edge look at the same number, so no point falls between them.
-bool contains(const Triangulation& mesh, Index t, Vec2 p) {
-    const auto& v = mesh.triangles[t];
-    const TriangleCorners c = mesh.corners(t);
-    const double least = kOutside * orient(c[0], c[1], c[2]);
-    const auto side = [&](int i, int j) {
-        return v[i] < v[j] ? orient(c[i], c[j], p) : -orient(c[j], c[i], p);
-    };
-    return side(0, 1) >= least && side(1, 2) >= least && side(2, 0) >= least;
-}
 
 /// Equal cells of a rectangle, row by row.
 struct Cells {

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "multires/ps_stencil.h"
+#include "multires/ps_rings.h"
 #include "relief/core/vec2.h"
 
 namespace relief::multires::ps {

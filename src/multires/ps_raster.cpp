@@ -5,19 +5,19 @@
 #include <string>
 #include <vector>
 
+#include "multires/ps_block.h"
 #include "multires/ps_errors.h"
 #include "relief/multires/ps_surface.h"
 
 namespace relief::multires::ps {
 
 using mesh::Index;
-using spline::Hessian;
-using spline::PsPolynomials;
 
 namespace {
 
 constexpr double kTolerance = 1e-12;  ///< of a triangle's extent: samples on the boundary are in it
 constexpr std::int64_t kBandRows = 64;
+constexpr std::int64_t kFewSamples = 24;  ///< of a row, that are faster one by one
 
 /// first .. last; none if last < first.
 struct Range {
@@ -28,31 +28,37 @@ struct Range {
 /// Ascending coordinates first + k step, step > 0.
 class Axis {
   public:
-    Axis(double first, double step, std::int64_t count) : inverse_(1 / step), at_(count) {
+    Axis(double first, double step, std::int64_t count)
+        : inverse_(1 / step), count_(count), at_(count + 3, kInfinity) {
         for (std::int64_t k = 0; k < count; ++k) at_[k] = first + static_cast<double>(k) * step;
     }
     double operator[](std::int64_t k) const { return at_[k]; }
     [[nodiscard]] const double* data() const { return at_.data(); }
 
+    /// The first coordinate that is not below a number, from an estimate that is at most two too
+    /// small.
+    [[nodiscard]] std::int64_t first_not_below(double number) const {
+        std::int64_t k = estimate(number);
+        for (int step = 0; step < 3; ++step) k += at_[k] < number ? 1 : 0;
+        return k;
+    }
     /// Which coordinates lie in [low, high].
     [[nodiscard]] Range inside(double low, double high) const {
-        return {first_not_below(low), first_not_below(std::nextafter(high, kInfinity)) - 1};
+        std::int64_t end = estimate(high);
+        for (int step = 0; step < 3; ++step) end += at_[end] <= high ? 1 : 0;
+        return {first_not_below(low), end - 1};
     }
 
   private:
     static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-    /// An estimate, moved until it is right.
-    [[nodiscard]] std::int64_t first_not_below(double low) const {
-        const auto count = static_cast<std::int64_t>(at_.size());
-        const double guess = std::clamp((low - at_[0]) * inverse_, 0.0, double(count));
-        auto k = static_cast<std::int64_t>(guess);
-        while (k > 0 && at_[k - 1] >= low) --k;
-        while (k < count && at_[k] < low) ++k;
-        return k;
+    [[nodiscard]] std::int64_t estimate(double number) const {
+        const double place = (number - at_[0]) * inverse_ - 1;
+        return static_cast<std::int64_t>(std::clamp(place, 0.0, static_cast<double>(count_)));
     }
 
     double inverse_;
+    std::int64_t count_;
     std::vector<double> at_;
 };
 
@@ -65,12 +71,14 @@ class Cutter {
                   [](Vec2 a, Vec2 b) { return a.y < b.y || (a.y == b.y && a.x < b.x); });
         const auto slope = [](Vec2 a, Vec2 b) { return (b.x - a.x) / (b.y - a.y); };
         slope_ = {slope(v_[0], v_[1]), slope(v_[1], v_[2]), slope(v_[0], v_[2])};
-        const auto [left, right] = std::minmax({v_[0].x, v_[1].x, v_[2].x});
-        tolerance_ = kTolerance * std::max(right - left, v_[2].y - v_[0].y);
+        tolerance_ = tolerance(v_);
     }
 
-    [[nodiscard]] double low() const { return v_[0].y - tolerance_; }
-    [[nodiscard]] double high() const { return v_[2].y + tolerance_; }
+    [[nodiscard]] static double tolerance(const TriangleCorners& v) {
+        const auto [left, right] = std::minmax({v[0].x, v[1].x, v[2].x});
+        const auto [low, high] = std::minmax({v[0].y, v[1].y, v[2].y});
+        return kTolerance * std::max(right - left, high - low);
+    }
     /// Smallest and largest abscissa at height y.
     [[nodiscard]] std::array<double, 2> cut(double y) const {
         y = std::clamp(y, v_[0].y, v_[2].y);
@@ -87,6 +95,47 @@ class Cutter {
     TriangleCorners v_;
     std::array<double, 3> slope_;
     double tolerance_;
+};
+
+/// The pieces of a triangle along horizontal lines.
+class PieceCutter {
+  public:
+    /// On one side of Z, from left to right: the pieces, and between them the spokes, which at a
+    /// height dy above Z lie slope dy to the right of it.
+    struct Side {
+        int cuts = 0;
+        std::array<double, 6> slope{};
+        std::array<int, 7> piece{};
+    };
+
+    explicit PieceCutter(const double* numbers) {
+        const std::array<Vec2, 6> spokes = block::spokes(numbers);
+        above_ = side_of(spokes, 1);
+        below_ = side_of(spokes, -1);
+    }
+
+    [[nodiscard]] const Side& side(double dy) const { return dy >= 0 ? above_ : below_; }
+
+  private:
+    /// Piece k lies between spokes k and k + 1. From left to right they follow each other clockwise
+    /// above Z, counter-clockwise below it.
+    static Side side_of(const std::array<Vec2, 6>& spokes, int sign) {
+        const auto beyond = [&](int k) { return sign * spokes[k % 6].y > 0; };
+        const int turn = sign > 0 ? 5 : 1;
+        const int after = sign > 0 ? 5 : 0;  // from a spoke to the piece on its right
+        int k = 0;
+        while (k < 5 && (!beyond(k) || beyond(k + 6 - turn))) ++k;
+        Side side;
+        side.piece[0] = (k + 5 - after) % 6;
+        for (; side.cuts < 6 && beyond(k); k += turn) {
+            side.slope[side.cuts] = spokes[k % 6].x / spokes[k % 6].y;
+            side.piece[++side.cuts] = (k + after) % 6;
+        }
+        return side;
+    }
+
+    Side above_;
+    Side below_;
 };
 
 /// Writes the values of a surface, one triangle after the other.
@@ -116,7 +165,7 @@ class Painter {
             }
             const std::int64_t band = first / kBandRows;
             // Backwards, so that of several triangles the one of the smallest number is last.
-            for (Index k = begin_[band + 1]; k-- > begin_[band];)
+            for (std::size_t k = begin_[band + 1]; k-- > begin_[band];)
                 paint_triangle(triangles_[k], {first, last - 1});
         });
     }
@@ -127,78 +176,82 @@ class Painter {
         return flip_ ? out_.rows - 1 - row : row;
     }
 
-    [[nodiscard]] Range rows_of(const Cutter& cutter) const {
-        return y_.inside(cutter.low(), cutter.high());
+    [[nodiscard]] Range rows_of(const TriangleCorners& v) const {
+        const auto [low, high] = std::minmax({v[0].y, v[1].y, v[2].y});
+        const double tolerance = Cutter::tolerance(v);
+        return y_.inside(low - tolerance, high + tolerance);
     }
 
     /// The triangles that reach into each band of rows, ascending.
     void list_triangles() {
         const mesh::Triangulation& mesh = surface_.space().mesh;
-        std::vector<Range> bands(mesh.triangles.size());
-        for_each_index(bands.size(), [&](Index t) {
-            const Range rows = rows_of(Cutter(mesh.corners(t)));
-            if (rows.first <= rows.last) bands[t] = {rows.first / kBandRows, rows.last / kBandRows};
-        });
+        rows_.resize(mesh.triangles.size());
+        for_each_index(rows_.size(), [&](Index t) { rows_[t] = rows_of(mesh.corners(t)); });
         begin_.assign(static_cast<std::size_t>((out_.rows + kBandRows - 1) / kBandRows + 1), 0);
-        for (const Range& range : bands)
-            for (std::int64_t band = range.first; band <= range.last; ++band) ++begin_[band + 1];
+        for (const Range& rows : rows_)
+            for (std::int64_t band = first_band(rows); band < end_band(rows); ++band)
+                ++begin_[band + 1];
         for (std::size_t band = 1; band < begin_.size(); ++band) begin_[band] += begin_[band - 1];
         triangles_.resize(begin_.back());
         std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
-        for (Index t = 0; t < bands.size(); ++t)
-            for (std::int64_t band = bands[t].first; band <= bands[t].last; ++band)
+        for (Index t = 0; t < rows_.size(); ++t)
+            for (std::int64_t band = first_band(rows_[t]); band < end_band(rows_[t]); ++band)
                 triangles_[next[band]++] = t;
+    }
+    static std::int64_t first_band(const Range& rows) { return rows.first / kBandRows; }
+    static std::int64_t end_band(const Range& rows) {
+        return rows.last < rows.first ? 0 : rows.last / kBandRows + 1;
     }
 
     void paint_triangle(Index t, Range band) const {
+        const Range rows{std::max(rows_[t].first, band.first), std::min(rows_[t].last, band.last)};
         const Cutter cutter(surface_.space().mesh.corners(t));
-        const Range all = rows_of(cutter);
-        const Range rows{std::max(all.first, band.first), std::min(all.last, band.last)};
-        if (rows.last < rows.first) return;
-        const PsPolynomials spline = surface_.polynomials(t, component_);
+        const double* numbers = surface_.numbers(t);
+        std::optional<PieceCutter> pieces;
         for (std::int64_t row = rows.first; row <= rows.last; ++row) {
             const auto [left, right] = cutter.cut(y_[row]);
             const Range cols = x_.inside(left, right);
-            if (cols.first <= cols.last) paint_row(t, spline, row, cols);
-        }
-    }
-
-    /// Pieces are convex: what lies between two samples of one piece is in it.
-    void paint_row(Index t, const PsPolynomials& spline, std::int64_t row, Range cols) const {
-        const auto piece_at = [&](std::int64_t col) {
-            return surface_.piece_of(t, {x_[col], y_[row]});
-        };
-        const int last_piece = piece_at(cols.last);
-        while (cols.first <= cols.last) {
-            const int piece = piece_at(cols.first);
-            std::int64_t end = cols.last + 1;
-            if (piece != last_piece) {
-                std::int64_t inside = cols.first;
-                for (end = cols.last; end - inside > 1;) {
-                    const std::int64_t middle = inside + (end - inside) / 2;
-                    (piece_at(middle) == piece ? inside : end) = middle;
-                }
+            if (cols.last - cols.first < kFewSamples) {
+                paint_samples(numbers, row, cols);
+                continue;
             }
-            paint_run(t, spline, piece, row, {cols.first, end - 1});
-            cols.first = end;
+            if (!pieces) pieces.emplace(numbers);
+            paint_pieces(numbers, *pieces, row, cols);
         }
     }
 
-    /// In the order of operations of PsPolynomials::jet.
-    void paint_run(Index t, const PsPolynomials& spline, int piece, std::int64_t row,
-                   Range cols) const {
-        const Vec2 centre = surface_.space().split.centre[t];
-        const Hessian& h = spline.hessian[piece];
-        const double dy = y_[row] - centre.y;
-        const double square = 0.5 * h.xx;
-        const double slope = spline.gradient.x + h.xy * dy;
-        const double value = spline.value + dy * (spline.gradient.y + 0.5 * h.yy * dy);
-        const double* x = x_.data();
+    void paint_samples(const double* numbers, std::int64_t row, Range cols) const {
+        const Vec2 centre = block::centre(numbers);
         double* samples = out_.row(ascending(row));
         for (std::int64_t col = cols.first; col <= cols.last; ++col) {
-            const double dx = x[col] - centre.x;
-            samples[col] = (square * dx + slope) * dx + value;
+            const Vec2 d = Vec2{x_[col], y_[row]} - centre;
+            const int piece = block::piece_of(numbers, d);
+            samples[col] = quadratic_jet(block::centre_jet(numbers, piece, component_), d).value;
         }
+    }
+
+    void paint_pieces(const double* numbers, const PieceCutter& pieces, std::int64_t row,
+                      Range cols) const {
+        const Vec2 centre = block::centre(numbers);
+        const double dy = y_[row] - centre.y;
+        const PieceCutter::Side& side = pieces.side(dy);
+        for (int cut = 0; cut < side.cuts; ++cut) {
+            const std::int64_t end = x_.first_not_below(centre.x + side.slope[cut] * dy);
+            const std::int64_t last = std::min(cols.last, end - 1);
+            paint_run(numbers, side.piece[cut], row, {cols.first, last});
+            cols.first = std::max(cols.first, last + 1);
+        }
+        paint_run(numbers, side.piece[side.cuts], row, cols);
+    }
+
+    void paint_run(const double* numbers, int piece, std::int64_t row, Range cols) const {
+        const Vec2 centre = block::centre(numbers);
+        const spline::PlaneJet start = block::centre_jet(numbers, piece, component_);
+        const double* x = x_.data();
+        const double dy = y_[row] - centre.y;
+        double* samples = out_.row(ascending(row));
+        for (std::int64_t col = cols.first; col <= cols.last; ++col)
+            samples[col] = quadratic_jet(start, {x[col] - centre.x, dy}).value;
     }
 
     const Surface& surface_;
@@ -207,17 +260,25 @@ class Painter {
     bool flip_;
     Axis x_;
     Axis y_;
+    std::vector<Range> rows_;         ///< of each triangle, upwards
     std::vector<std::size_t> begin_;  ///< of each band, in triangles_
     std::vector<Index> triangles_;
 };
 
-Status check_frame(const RasterFrame& frame) {
-    const bool finite = std::isfinite(frame.first.x) && std::isfinite(frame.first.y) &&
-                        std::isfinite(frame.step.x) && std::isfinite(frame.step.y);
-    if (finite && frame.step.x > 0 && frame.step.y != 0) return {};
+/// Steps that coordinates can tell apart, none of which are infinite.
+bool fine_steps(double first, double step, std::int64_t count) {
+    const double last = first + static_cast<double>(count) * step;
+    return std::max(std::abs(first), std::abs(last)) <= std::abs(step) * 0x1p50;
+}
+
+Status check_frame(const RasterFrame& frame, Vec2 origin, GridView<double> out) {
+    if (frame.step.x > 0 && frame.step.y != 0 &&
+        fine_steps(frame.first.x - origin.x, frame.step.x, out.cols) &&
+        fine_steps(frame.first.y - origin.y, frame.step.y, out.rows))
+        return {};
     return Error{ErrorCode::InvalidArgument,
                  "invalid_frame: first sample and steps must be finite, the step in x positive, "
-                 "that in y not zero",
+                 "that in y not zero, and both large enough to tell coordinates apart",
                  ""};
 }
 
@@ -225,7 +286,7 @@ Status check_frame(const RasterFrame& frame) {
 
 Status evaluate_raster(const Surface& surface, const RasterFrame& frame, GridView<double> out,
                        int component, Outside outside, const mesh::TriangleLocator* locator) {
-    RELIEF_CHECK(check_frame(frame));
+    RELIEF_CHECK(check_frame(frame, surface.space().mesh.origin, out));
     if (component < 0 || component >= surface.components())
         return Error{ErrorCode::InvalidArgument,
                      "component_count: the surface has no such component",

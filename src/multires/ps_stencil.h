@@ -1,53 +1,74 @@
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <span>
-#include <vector>
+#include <optional>
 
-#include "relief/mesh/triangulation.h"
+#include "multires/small_cholesky.h"
+#include "relief/multires/ps_energy.h"
+#include "relief/multires/ps_lift.h"
 
+/// The local systems of the update. Private to the module.
 namespace relief::multires::ps {
 
-/// The points around a vertex that local fits look at. One object a thread.
-class StencilSearch {
+/// What the systems of a level are made of.
+struct LevelProducts {
+    LevelProducts(const Space& coarse, const Refinement& step);
+
+    const Space& coarse;
+    const Refinement& step;
+    BlockMatrix coarse_gram;
+    BlockMatrix fine_gram;
+    std::vector<std::array<Moments, 3>> coarse_moments;
+    std::vector<std::array<Moments, 3>> fine_moments;
+    std::vector<StepRows> rows;    ///< of each fine vertex
+    mesh::VertexStars neighbours;  ///< in the coarse mesh
+
+    /// A stencil for each coarse triangle, then for each coarse edge.
+    [[nodiscard]] std::size_t stencils() const {
+        return coarse.mesh.triangles.size() + coarse.mesh.edges.size();
+    }
+};
+
+/// The coarse vertices that the details of one triangle or edge may change, and the system that
+/// says by how much. Linear in the details.
+class UpdateStencil {
   public:
-    /// Both must outlive this.
-    StencilSearch(const mesh::Triangulation& mesh, const mesh::VertexStars& neighbours)
-        : mesh_(mesh), neighbours_(neighbours), slots_(kSlots, mesh::kNone) {}
+    /// Requires: an update that has stencils, which None and Full have not.
+    UpdateStencil(const LevelProducts& level, std::size_t stencil, Update update);
 
-    /// Whole rings of edge neighbours of v until there are `enough` points, but at most four rings.
-    /// Rings do not grow through other vertices of more than kMostSpokes edges, so that a vertex
-    /// that many others share costs no more than others. Complexity: O(points), at most
-    /// enough x kMostSpokes but for the first ring.
-    [[nodiscard]] std::span<const mesh::Index> rings(mesh::Index v, std::size_t enough);
+    /// False if a system is singular; then nothing else may be called.
+    [[nodiscard]] bool solvable() const { return solvable_; }
+    [[nodiscard]] const std::vector<mesh::Index>& vertices() const { return vertices_; }
+    /// The fine vertices whose details count here.
+    [[nodiscard]] mesh::Index first_new() const { return first_new_; }
+    [[nodiscard]] mesh::Index new_count() const { return new_count_; }
 
-    /// The same; of more than `most` points the nearest, in the order of (squared distance,
-    /// number).
-    [[nodiscard]] std::span<const mesh::Index> nearest(mesh::Index v, std::size_t enough,
-                                                       std::size_t most);
+    /// What the details of the stencil's new vertices add to the coefficients of vertices(), three
+    /// numbers each.
+    [[nodiscard]] std::vector<double> increments(std::span<const Heights> details) const;
+    /// The squared L2 norm of the wavelet of these details.
+    [[nodiscard]] double squared_norm(std::span<const Heights> details,
+                                      const std::vector<double>& increments) const;
 
   private:
-    static constexpr int kMostRings = 4;
-    static constexpr std::size_t kMostSpokes = 64;
-    static constexpr std::size_t kSlots = 4096;
+    [[nodiscard]] std::vector<double> products(std::span<const Heights> details) const;
+    void build_gram();
+    void build_moments();
+    [[nodiscard]] std::array<double, 3> scaled(const Moments& moments, Vec2 vertex) const;
+    [[nodiscard]] std::array<double, 3> missing_moments(std::span<const Heights> details,
+                                                        const std::vector<double>& u) const;
 
-    struct Distance {
-        double squared;
-        mesh::Index vertex;
-        bool operator<(const Distance& other) const {
-            return squared != other.squared ? squared < other.squared : vertex < other.vertex;
-        }
-    };
-
-    bool mark(mesh::Index v);
-
-    const mesh::Triangulation& mesh_;
-    const mesh::VertexStars& neighbours_;
-    std::vector<mesh::Index> slots_;  ///< a hash table of what is found; kNone: free
-    std::vector<std::size_t> used_;   ///< its slots
-    std::vector<mesh::Index> found_;
-    std::vector<Distance> sorted_;
+    const LevelProducts& level_;
+    bool solvable_ = true;
+    mesh::Index first_new_ = 0;
+    mesh::Index new_count_ = 0;
+    std::vector<mesh::Index> vertices_;  ///< ascending
+    Vec2 centre_;
+    double size_ = 1;
+    std::vector<double> gram_;
+    std::optional<SmallCholesky> system_;        ///< of gram_; not for Moments
+    std::vector<std::array<double, 3>> moment_;  ///< of each coarse function; empty without moments
+    std::vector<std::array<double, 3>> correction_;  ///< Y: what a moment of 1 adds to it
+    std::optional<SmallCholesky> moment_system_;
 };
 
 }  // namespace relief::multires::ps

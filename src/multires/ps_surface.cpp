@@ -4,6 +4,7 @@
 #include <limits>
 #include <string>
 
+#include "multires/ps_block.h"
 #include "multires/ps_errors.h"
 
 namespace relief::multires::ps {
@@ -15,45 +16,15 @@ using spline::PsPolynomials;
 
 namespace {
 
-// The numbers of a block: V_k - Z, Z, the weights of V_k in R_k, then for each component the value
-// and gradient at Z and the Hessians.
-constexpr int kCentre = 6;
-constexpr int kWeights = 8;
-constexpr int kGeometry = 11;
-constexpr int kPerComponent = 21;
-constexpr int kHessians = 3;  ///< from the beginning of a component
 constexpr std::size_t kLine = 8;
 
 constexpr double kParallel = 1e-14;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 std::size_t stride_of(int components) {
-    const auto used = static_cast<std::size_t>(kGeometry + kPerComponent * components);
+    const auto used =
+        static_cast<std::size_t>(block::kGeometry + block::kPerComponent * components);
     return (used + kLine - 1) / kLine * kLine;
-}
-
-Vec2 centre_of(const double* block) {
-    return {block[kCentre], block[kCentre + 1]};
-}
-
-/// As spline::PsElement::piece_of.
-int piece_in(const double* block, Vec2 d) {
-    double height[3];  // of the point over the line from Z to V_k
-    for (int k = 0; k < 3; ++k) height[k] = block[2 * k] * d.y - block[2 * k + 1] * d.x;
-    for (int k = 0; k < 3; ++k) {
-        const int j = k == 2 ? 0 : k + 1;
-        if (!(height[k] >= 0 && height[j] < 0)) continue;
-        const double weight = block[kWeights + k];
-        return 2 * k + (weight * height[k] + (1 - weight) * height[j] >= 0 ? 1 : 0);
-    }
-    return 0;
-}
-
-PlaneJet jet_in(const double* numbers, int piece, Vec2 d) {
-    const double* h = numbers + kHessians + 3 * piece;
-    PsPolynomials spline{numbers[0], {numbers[1], numbers[2]}, {}};
-    spline.hessian[0] = {h[0], h[1], h[2]};
-    return spline.jet(0, d);
 }
 
 }  // namespace
@@ -94,32 +65,17 @@ Result<Surface> Surface::create(const Space& space, std::span<const Coefficients
 }
 
 PlaneJet Surface::jet(Index triangle, Vec2 point, int component) const {
-    const double* known = block(triangle);
-    const Vec2 d = point - centre_of(known);
-    return jet_in(known + kGeometry + kPerComponent * component, piece_in(known, d), d);
+    const double* known = numbers(triangle);
+    const Vec2 d = point - block::centre(known);
+    return quadratic_jet(block::centre_jet(known, block::piece_of(known, d), component), d);
 }
 
 void Surface::jets(Index triangle, Vec2 point, PlaneJet* out) const {
-    const double* known = block(triangle);
-    const Vec2 d = point - centre_of(known);
-    const int piece = piece_in(known, d);
+    const double* known = numbers(triangle);
+    const Vec2 d = point - block::centre(known);
+    const int piece = block::piece_of(known, d);
     for (int m = 0; m < components_; ++m)
-        out[m] = jet_in(known + kGeometry + kPerComponent * m, piece, d);
-}
-
-PsPolynomials Surface::polynomials(Index triangle, int component) const {
-    const double* numbers = block(triangle) + kGeometry + kPerComponent * component;
-    PsPolynomials spline{numbers[0], {numbers[1], numbers[2]}, {}};
-    for (int piece = 0; piece < 6; ++piece) {
-        const double* h = numbers + kHessians + 3 * piece;
-        spline.hessian[piece] = {h[0], h[1], h[2]};
-    }
-    return spline;
-}
-
-int Surface::piece_of(Index triangle, Vec2 point) const {
-    const double* known = block(triangle);
-    return piece_in(known, point - centre_of(known));
+        out[m] = quadratic_jet(block::centre_jet(known, piece, m), d);
 }
 
 Status evaluate(const Surface& surface, const mesh::TriangleLocator& locator,

@@ -53,16 +53,6 @@ QuadraticNet PsOrdinates::net(int piece) const {
     return {edge[k], corner[j], centre, previous[j], inner[j], spoke[k]};
 }
 
-PlaneJet PsPolynomials::jet(int piece, Vec2 d) const {
-    const Hessian& h = hessian[piece];
-    return {(0.5 * h.xx * d.x + (gradient.x + h.xy * d.y)) * d.x +
-                (value + d.y * (gradient.y + 0.5 * h.yy * d.y)),
-            {h.xx * d.x + (gradient.x + h.xy * d.y), h.xy * d.x + (gradient.y + h.yy * d.y)},
-            h.xx,
-            h.xy,
-            h.yy};
-}
-
 PsElement::PsElement(const TriangleCorners& corners, Vec2 centre,
                      const std::array<double, 3>& weights)
     : centre_(centre), weight_(weights) {
@@ -135,11 +125,10 @@ PsPolynomials PsElement::polynomials(const PsOrdinates& ordinates) const {
 }
 
 int PsElement::piece_of(Vec2 d) const {
-    std::array<bool, 3> left;  // of the line from Z to V_k
-    for (int k = 0; k < 3; ++k) left[k] = cross(corner_[k], d) >= 0;
-    for (int k = 0; k < 3; ++k)
-        if (left[k] && !left[next(k)]) return 2 * k + (cross(edge_point_[k], d) >= 0 ? 1 : 0);
-    return 0;
+    int left = 0;
+    for (int k = 0; k < 3; ++k) left += cross(corner_[k], d) >= 0 ? 1 << k : 0;
+    const int k = kPsSector[left];
+    return 2 * k + (cross(edge_point_[k], d) >= 0 ? 1 : 0);
 }
 
 std::array<double, 9> PsElement::weights_at(int piece, Vec2 d) const {

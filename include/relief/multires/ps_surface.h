@@ -34,16 +34,13 @@ class Surface {
     /// The same for all components, into components() elements.
     void jets(mesh::Index triangle, Vec2 point, spline::PlaneJet* out) const;
 
-    /// The six pieces of a component in a triangle, as polynomials about Z.
-    [[nodiscard]] spline::PsPolynomials polynomials(mesh::Index triangle, int component = 0) const;
-    /// The piece, 0 .. 5, in which `jet` evaluates.
-    [[nodiscard]] int piece_of(mesh::Index triangle, Vec2 point) const;
+    /// The numbers of a triangle, for this library's own loops.
+    [[nodiscard]] const double* numbers(mesh::Index triangle) const {
+        return blocks_.data() + static_cast<std::size_t>(triangle) * stride_;
+    }
 
   private:
     Surface(const Space& space, int components);
-    [[nodiscard]] const double* block(mesh::Index triangle) const {
-        return blocks_.data() + static_cast<std::size_t>(triangle) * stride_;
-    }
 
     const Space* space_;
     int components_;
@@ -75,8 +72,9 @@ struct RasterFrame {
 
 /// The values of a component at the samples of a raster, triangle by triangle along its rows. A
 /// sample on an edge belongs to the triangle of the smallest number. Outside as for `evaluate`;
-/// only Nearest needs the locator. Errors: `invalid_frame` (not finite, or steps not positive in x
-/// or zero in y), `component_count`, `outside_domain`. Complexity: O(samples + n).
+/// only Nearest needs the locator. Errors: `invalid_frame` (steps not positive in x, zero
+/// in y, not finite, or lost in the digits of the coordinates), `component_count`,
+/// `missing_locator` (Nearest), `outside_domain`. Complexity: O(samples + n).
 [[nodiscard]] Status evaluate_raster(const Surface& surface, const RasterFrame& frame,
                                      GridView<double> out, int component = 0,
                                      Outside outside = Outside::Nan,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include "relief/spline/control_triangle.h"
 #include "relief/spline/fvs_element.h"
@@ -45,6 +46,18 @@ struct PsOrdinates {
     [[nodiscard]] QuadraticNet net(int piece) const;
 };
 
+/// The jet of a quadratic at a point, from its jet at another point; `way`: from there to here.
+[[nodiscard]] constexpr PlaneJet quadratic_jet(const PlaneJet& start, Vec2 way) {
+    const double along_x = start.gradient.x + start.xy * way.y;
+    const double along_y = start.gradient.y + start.yy * way.y;
+    return {(0.5 * start.xx * way.x + along_x) * way.x +
+                (start.value + (start.gradient.y + 0.5 * start.yy * way.y) * way.y),
+            {along_x + start.xx * way.x, along_y + start.xy * way.x},
+            start.xx,
+            start.xy,
+            start.yy};
+}
+
 /// A spline on an element as polynomials about Z. Being C1, the six pieces have the same value and
 /// gradient there; only their Hessians differ.
 struct PsPolynomials {
@@ -53,7 +66,10 @@ struct PsPolynomials {
     std::array<Hessian, 6> hessian{};
 
     /// Value, gradient and Hessian of a piece at a point relative to Z.
-    [[nodiscard]] PlaneJet jet(int piece, Vec2 offset) const;
+    [[nodiscard]] constexpr PlaneJet jet(int piece, Vec2 offset) const {
+        const Hessian& h = hessian[piece];
+        return quadratic_jet({value, gradient, h.xx, h.xy, h.yy}, offset);
+    }
 };
 
 /// Nine functions on an element: function 3k + j has the tangent plane number 3k + j at corner k
@@ -73,6 +89,10 @@ inline constexpr PsBasis kPsNodalBasis = {{{1, {}},
 
 /// A symmetric matrix of nine functions; entry (i, j) is at 9 i + j.
 using PsMatrix = std::array<double, 81>;
+
+/// The corner k after whose line from Z a point follows, counter-clockwise, before that of corner
+/// k + 1, by the lines it is not to the right of: bit k of the index is that of corner k. 0 at Z.
+inline constexpr std::array<std::int8_t, 8> kPsSector = {0, 0, 1, 1, 2, 0, 2, 0};
 
 /// The geometry of one element.
 class PsElement {
