@@ -67,8 +67,9 @@ class Axis {
 class Cutter {
   public:
     explicit Cutter(TriangleCorners v) : v_(v) {
-        std::sort(v_.begin(), v_.end(),
-                  [](Vec2 a, Vec2 b) { return a.y < b.y || (a.y == b.y && a.x < b.x); });
+        order(v_[0], v_[1]);
+        order(v_[1], v_[2]);
+        order(v_[0], v_[1]);
         const auto slope = [](Vec2 a, Vec2 b) { return (b.x - a.x) / (b.y - a.y); };
         slope_ = {slope(v_[0], v_[1]), slope(v_[1], v_[2]), slope(v_[0], v_[2])};
         tolerance_ = tolerance(v_);
@@ -89,6 +90,9 @@ class Cutter {
     }
 
   private:
+    static void order(Vec2& a, Vec2& b) {
+        if (b.y < a.y || (b.y == a.y && b.x < a.x)) std::swap(a, b);
+    }
     static double crossing(Vec2 from, Vec2 to, double slope, double y) {
         return y == to.y ? to.x : from.x + (y - from.y) * slope;
     }
@@ -207,12 +211,13 @@ class Painter {
         const Range rows{std::max(rows_[t].first, band.first), std::min(rows_[t].last, band.last)};
         const Cutter cutter(surface_.space().mesh.corners(t));
         const double* numbers = surface_.numbers(t);
+        const block::PieceFinder finder(numbers);
         std::optional<PieceCutter> pieces;
         for (std::int64_t row = rows.first; row <= rows.last; ++row) {
             const auto [left, right] = cutter.cut(y_[row]);
             const Range cols = x_.inside(left, right);
             if (cols.last - cols.first < kFewSamples) {
-                paint_samples(numbers, row, cols);
+                paint_samples(numbers, finder, row, cols);
                 continue;
             }
             if (!pieces) pieces.emplace(numbers);
@@ -220,13 +225,17 @@ class Painter {
         }
     }
 
-    void paint_samples(const double* numbers, std::int64_t row, Range cols) const {
+    void paint_samples(const double* numbers, const block::PieceFinder& finder, std::int64_t row,
+                       Range cols) const {
         const Vec2 centre = block::centre(numbers);
+        const double dy = y_[row] - centre.y;
+        const double* x = x_.data();
         double* samples = out_.row(ascending(row));
         for (std::int64_t col = cols.first; col <= cols.last; ++col) {
-            const Vec2 d = Vec2{x_[col], y_[row]} - centre;
-            const int piece = block::piece_of(numbers, d);
-            samples[col] = quadratic_jet(block::centre_jet(numbers, piece, component_), d).value;
+            const Vec2 d{x[col] - centre.x, dy};
+            const spline::PlaneJet start =
+                block::centre_jet(numbers, finder.piece_of(d), component_);
+            samples[col] = quadratic_jet(start, d).value;
         }
     }
 

@@ -67,13 +67,14 @@ Result<Surface> Surface::create(const Space& space, std::span<const Coefficients
 PlaneJet Surface::jet(Index triangle, Vec2 point, int component) const {
     const double* known = numbers(triangle);
     const Vec2 d = point - block::centre(known);
-    return quadratic_jet(block::centre_jet(known, block::piece_of(known, d), component), d);
+    return quadratic_jet(block::centre_jet(known, block::PieceFinder(known).piece_of(d), component),
+                         d);
 }
 
 void Surface::jets(Index triangle, Vec2 point, PlaneJet* out) const {
     const double* known = numbers(triangle);
     const Vec2 d = point - block::centre(known);
-    const int piece = block::piece_of(known, d);
+    const int piece = block::PieceFinder(known).piece_of(d);
     for (int m = 0; m < components_; ++m)
         out[m] = quadratic_jet(block::centre_jet(known, piece, m), d);
 }
