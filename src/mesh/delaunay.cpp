@@ -109,7 +109,7 @@ std::vector<Index> insertion_order(std::span<const Vec2> sites) {
 /// Which triangles stay: those of the plane, without the slivers at its hull.
 std::vector<std::uint8_t> peeled(const FlipMesh& mesh, double least) {
     std::vector<std::uint8_t> kept(mesh.triangle_count);
-    std::vector<std::uint8_t> on_boundary(mesh.sites.size() + 1);
+    std::vector<std::uint8_t> on_boundary(mesh.sites.size());
     std::vector<Index> sides;  // of triangles that are kept, on the boundary
     for (Index t = 0; t < mesh.triangle_count; ++t) kept[t] = mesh.is_finite(t);
     for (Index h = 0; h < 3 * mesh.triangle_count; ++h)
@@ -172,6 +172,13 @@ Status check_points(std::span<const Vec2> points) {
     return {};
 }
 
+Error too_few_points(std::size_t places) {
+    return {
+        ErrorCode::BadInput,
+        "too_few_points: they lie at " + std::to_string(places) + " places; at least 3 are needed",
+        ""};
+}
+
 /// Thin triangles inside come from points that are too close, not from a fault of the result.
 Status check_distances(const Triangulation& mesh, std::span<const Index> first_point) {
     const auto thin = find_thin_triangle(mesh);
@@ -188,13 +195,10 @@ Status check_distances(const Triangulation& mesh, std::span<const Index> first_p
 
 Result<Delaunay> delaunay(std::span<const Vec2> points, const DelaunayOptions& options) {
     RELIEF_CHECK(check_points(points));
+    if (points.empty()) return too_few_points(0);
     const Lattice lattice = lattice_of(points);
     Sites sites = sites_of(points, lattice);
-    if (sites.places.size() < 3)
-        return Error{ErrorCode::BadInput,
-                     "too_few_points: they lie at " + std::to_string(sites.places.size()) +
-                         " places; at least 3 are needed",
-                     ""};
+    if (sites.places.size() < 3) return too_few_points(sites.places.size());
     const std::vector<Index> order = insertion_order(sites.places);
     if (exact_orient(sites.places[order[0]], sites.places[order[1]], sites.places[order[2]]) == 0)
         return Error{ErrorCode::BadInput,

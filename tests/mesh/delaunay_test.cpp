@@ -233,6 +233,25 @@ TEST(Delaunay, VerticesStayAtTheirPoints) {
     }
 }
 
+TEST(Delaunay, TheOrderOfPointsDoesNotMatter) {
+    test::Noise noise(8);
+    std::vector<Vec2> points;
+    for (int k = 0; k < 500; ++k) points.push_back({noise(), noise()});
+    for (int k = 0; k < 100; ++k) points.push_back({0.1 * (k % 10), 0.1 * (k / 10 % 10)});
+    const Delaunay expected = triangulated(points);
+    std::vector<std::size_t> order(points.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::shuffle(order.begin(), order.end(), std::mt19937(2));
+    std::vector<Vec2> shuffled;
+    for (const std::size_t k : order) shuffled.push_back(points[k]);
+    const Delaunay result = triangulated(shuffled);
+    EXPECT_EQ(result.mesh.x, expected.mesh.x);
+    EXPECT_EQ(result.mesh.y, expected.mesh.y);
+    EXPECT_EQ(result.mesh.triangles, expected.mesh.triangles);
+    for (std::size_t k = 0; k < order.size(); ++k)
+        EXPECT_EQ(result.vertex_of_point[k], expected.vertex_of_point[order[k]]);
+}
+
 TEST(Delaunay, NumberingFollowsTheCurve) {
     const Triangulation mesh = triangulated(points_of(lattice(32, 32))).mesh;
     // On 2^k squared places that are centred in the quadrants of the curve every step is of

@@ -28,7 +28,7 @@ struct Delaunay {
 /// box: points are moved by 2^-51 of it at most, those that fall on the same place become one
 /// vertex, and all decisions are exact there. Four points on a circle are joined by the shorter
 /// diagonal, of equal ones by that which rises to the right, so that lattices are cut in one
-/// direction. The result does not depend on threads or machines.
+/// direction. The mesh depends on the set of points only: not on their order, threads or machines.
 ///
 /// Errors, all BadInput, with a name as in `build`: `too_many_points` (2^31 / 6),
 /// `non_finite_input` (also beyond 1e150), `too_few_points` (fewer than three places),
