@@ -15,11 +15,14 @@ struct DelaunayOptions {
     /// an interior vertex, projects into AB and has orient(A, B, C) < peel |AB|^2, repeatedly. No
     /// vertex is lost. 0 keeps the convex hull, but for triangles that `build` would refuse.
     double peel = 0.01;
+    /// Points that are closer than this, also over others in between, become one vertex at the
+    /// place of the first of them. 0: only those at one place.
+    double merge_distance = 0;
 };
 
 struct Delaunay {
     Triangulation mesh;  ///< vertices along a Hilbert curve, triangles by their lowest vertices
-    /// Of each point its vertex. Points at one place share a vertex.
+    /// Of each point its vertex, which points share that are at one place or were merged.
     std::vector<Index> vertex_of_point;
 };
 
