@@ -8,11 +8,10 @@
 #include <tuple>
 #include <utility>
 
-#include "mesh/box_tree.h"
 #include "mesh/delaunay_flips.h"
 #include "mesh/hilbert.h"
 #include "mesh/lattice_predicates.h"
-#include "mesh/quadrangulation_checks.h"
+#include "mesh/plane_checks.h"
 #include "mesh/triangulation_checks.h"
 
 namespace relief::mesh {
@@ -20,7 +19,6 @@ namespace relief::mesh {
 namespace {
 
 constexpr std::size_t kMostPoints = ((std::size_t{1} << 31) - 1) / 6;
-constexpr double kLargestCoordinate = 1e150;
 constexpr double kThinnestAtHull = 2e-12;  ///< more than what `build` refuses
 constexpr int kSiteBits = 50;              ///< coordinates of sites are integers of at most 2^50
 
@@ -162,14 +160,7 @@ Status check_points(std::span<const Vec2> points) {
                      "too_many_points: at most 2^31 / 6 can be triangulated; thin them out or "
                      "split the region",
                      ""};
-    const auto good = [](double t) { return std::abs(t) <= kLargestCoordinate; };
-    for (std::size_t k = 0; k < points.size(); ++k)
-        if (!good(points[k].x) || !good(points[k].y))
-            return bad_mesh(
-                "non_finite_input: a coordinate is not finite or beyond 1e150; correct or remove "
-                "it",
-                "point", k);
-    return {};
+    return check_coordinates(points, "non_finite_input", "point");
 }
 
 Error too_few_points(std::size_t places) {
