@@ -35,23 +35,24 @@ class Axis {
     double operator[](std::int64_t k) const { return at_[k]; }
     [[nodiscard]] const double* data() const { return at_.data(); }
 
-    /// The first coordinate that is not below a number, from an estimate that is at most two too
-    /// small.
+    /// The first coordinate that is not below a number.
     [[nodiscard]] std::int64_t first_not_below(double number) const {
-        std::int64_t k = estimate(number);
-        for (int step = 0; step < 3; ++step) k += at_[k] < number ? 1 : 0;
-        return k;
+        const std::int64_t k = estimate(number);
+        return k + (at_[k] < number ? 1 : 0) + (at_[k + 1] < number ? 1 : 0) +
+               (at_[k + 2] < number ? 1 : 0);
     }
     /// Which coordinates lie in [low, high].
     [[nodiscard]] Range inside(double low, double high) const {
-        std::int64_t end = estimate(high);
-        for (int step = 0; step < 3; ++step) end += at_[end] <= high ? 1 : 0;
+        const std::int64_t k = estimate(high);
+        const std::int64_t end = k + (at_[k] <= high ? 1 : 0) + (at_[k + 1] <= high ? 1 : 0) +
+                                 (at_[k + 2] <= high ? 1 : 0);
         return {first_not_below(low), end - 1};
     }
 
   private:
     static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+    /// One or two less than the answer, or the answer: rounding moves it by less than one.
     [[nodiscard]] std::int64_t estimate(double number) const {
         const double place = (number - at_[0]) * inverse_ - 1;
         return static_cast<std::int64_t>(std::clamp(place, 0.0, static_cast<double>(count_)));
@@ -84,8 +85,8 @@ class Cutter {
     [[nodiscard]] std::array<double, 2> cut(double y) const {
         y = std::clamp(y, v_[0].y, v_[2].y);
         const double a = crossing(v_[0], v_[2], slope_[2], y);
-        const double b = y <= v_[1].y ? crossing(v_[0], v_[1], slope_[0], y)
-                                      : crossing(v_[1], v_[2], slope_[1], y);
+        const int upper = y > v_[1].y ? 1 : 0;
+        const double b = crossing(v_[upper], v_[upper + 1], slope_[upper], y);
         return {std::min(a, b) - tolerance_, std::max(a, b) + tolerance_};
     }
 

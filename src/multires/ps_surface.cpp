@@ -21,9 +21,8 @@ constexpr std::size_t kLine = 8;
 constexpr double kParallel = 1e-14;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-std::size_t stride_of(int components) {
-    const auto used =
-        static_cast<std::size_t>(block::kGeometry + block::kPerComponent * components);
+std::size_t stride_of(std::size_t components) {
+    const std::size_t used = block::kGeometry + block::kPerComponent * components;
     return (used + kLine - 1) / kLine * kLine;
 }
 
@@ -32,7 +31,7 @@ std::size_t stride_of(int components) {
 Surface::Surface(const Space& space, int components)
     : space_(&space),
       components_(components),
-      stride_(stride_of(components)),
+      stride_(stride_of(static_cast<std::size_t>(components))),
       blocks_(space.mesh.triangles.size() * stride_) {}
 
 Result<Surface> Surface::create(const Space& space, std::span<const Coefficients> components) {
