@@ -46,12 +46,8 @@ void expect_spline(const Coefficients& spline, const nlohmann::json& expected) {
         for (int j = 0; j < 3; ++j) EXPECT_NEAR(spline[v][j], expected[v][j].get<double>(), 1e-11);
 }
 
-nlohmann::json cases() {
-    return relief::test::reference("powell_sabin.json")["cases"];
-}
-
 TEST(PsRefine, GoldenTriadic) {
-    for (const auto& item : cases()) {
+    for (const auto& item : golden_cases()) {
         if (!item.contains("triadic") || item["triadic"].is_null()) continue;
         const auto& expected = item["triadic"];
         const Space coarse = golden_space(item);
@@ -71,7 +67,7 @@ TEST(PsRefine, GoldenTriadic) {
 }
 
 TEST(PsRefine, GoldenRoot3) {
-    for (const auto& item : cases()) {
+    for (const auto& item : golden_cases()) {
         if (!item.contains("sqrt3") || item["sqrt3"].is_null()) continue;
         const auto& expected = item["sqrt3"];
         const Space coarse = golden_space(item);
@@ -86,7 +82,7 @@ TEST(PsRefine, GoldenRoot3) {
 }
 
 TEST(PsRefine, GoldenDyadic) {
-    for (const auto& item : cases()) {
+    for (const auto& item : golden_cases()) {
         const Space coarse = golden_space(item);
         const auto step = refine(coarse, {.scheme = Scheme::Dyadic});
         ASSERT_EQ(step.ok(), item["dyadic_applies"].get<bool>());
