@@ -233,6 +233,57 @@ TEST(Delaunay, VerticesStayAtTheirPoints) {
     }
 }
 
+TEST(Delaunay, ClosePointsAreMergedOnDemand) {
+    test::Noise noise(6);
+    std::vector<Vec2> points;
+    for (int k = 0; k < 300; ++k) points.push_back({10 * noise(), 10 * noise()});
+    // Chains of three, each 0.009 from the next, the last of which are 0.018 apart.
+    for (int k = 0; k < 50; ++k)
+        for (const double s : {0.018, 0.009}) points.push_back({points[k].x + s, points[k].y});
+    const Delaunay apart = triangulated(points);
+    EXPECT_EQ(apart.mesh.vertex_count(), 400u);
+    const auto result = delaunay(points, {.peel = 0, .merge_distance = 0.01});
+    ASSERT_TRUE(result.ok());
+    const Triangulation& mesh = result->mesh;
+    for (Index e = 0; e < mesh.edge_count(); ++e) EXPECT_GE(length(mesh.edge_vector(e)), 0.01);
+    std::set<Index> used;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        const Index v = result->vertex_of_point[k];
+        used.insert(v);
+        const bool late = k >= 300;
+        EXPECT_EQ(v, result->vertex_of_point[late ? (k - 300) / 2 : k]);
+        EXPECT_NEAR(length(mesh.vertex(v) - (points[k] - mesh.origin)),
+                    !late        ? 0
+                    : k % 2 == 0 ? 0.018
+                                 : 0.009,
+                    1e-12);
+    }
+    EXPECT_EQ(used.size(), mesh.vertex_count());
+    EXPECT_EQ(used.size(), 300u);
+    const auto none = delaunay(points, {.merge_distance = 100});
+    ASSERT_FALSE(none.ok());
+    EXPECT_EQ(none.error().message.substr(0, 14), "too_few_points");
+}
+
+TEST(Delaunay, TheOrderOfPointsDoesNotMatter) {
+    test::Noise noise(8);
+    std::vector<Vec2> points;
+    for (int k = 0; k < 500; ++k) points.push_back({noise(), noise()});
+    for (int k = 0; k < 100; ++k) points.push_back({0.1 * (k % 10), 0.1 * (k / 10 % 10)});
+    const Delaunay expected = triangulated(points);
+    std::vector<std::size_t> order(points.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::shuffle(order.begin(), order.end(), std::mt19937(2));
+    std::vector<Vec2> shuffled;
+    for (const std::size_t k : order) shuffled.push_back(points[k]);
+    const Delaunay result = triangulated(shuffled);
+    EXPECT_EQ(result.mesh.x, expected.mesh.x);
+    EXPECT_EQ(result.mesh.y, expected.mesh.y);
+    EXPECT_EQ(result.mesh.triangles, expected.mesh.triangles);
+    for (std::size_t k = 0; k < order.size(); ++k)
+        EXPECT_EQ(result.vertex_of_point[k], expected.vertex_of_point[order[k]]);
+}
+
 TEST(Delaunay, NumberingFollowsTheCurve) {
     const Triangulation mesh = triangulated(points_of(lattice(32, 32))).mesh;
     // On 2^k squared places that are centred in the quadrants of the curve every step is of
