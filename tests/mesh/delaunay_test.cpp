@@ -342,6 +342,37 @@ TEST(Delaunay, SliversAtTheHullArePeeled) {
     }
 }
 
+/// Boundary points that are off their line by anything, down to less than the lattice tells apart.
+TEST(Delaunay, NoisyLatticesAreValid) {
+    test::Noise noise(12);
+    for (double amplitude = 1e-3; amplitude > 1e-18; amplitude /= 10)
+        for (const int side : {5, 9, 16}) {
+            std::vector<Vec2> points;
+            for (int r = 0; r < side; ++r)
+                for (int c = 0; c < side; ++c) {
+                    const bool inside = r > 0 && r + 1 < side && c > 0 && c + 1 < side;
+                    const double off = inside ? 0 : amplitude;
+                    points.push_back({0.1 * c + off * noise(), 0.1 * r + off * noise()});
+                }
+            const Triangulation mesh = triangulated(points, 0.01).mesh;
+            std::vector<Vec2> vertices;
+            for (Index v = 0; v < mesh.vertex_count(); ++v) vertices.push_back(mesh.vertex(v));
+            EXPECT_EQ(vertices.size(), points.size());
+            EXPECT_TRUE(
+                build(vertices, mesh.triangles, {.strict_orientation = true, .check_overlap = true})
+                    .ok());
+            double area = 0;
+            for (Index t = 0; t < mesh.triangle_count(); ++t) {
+                const auto [a, b, c] = mesh.corners(t);
+                area += orient(a, b, c) / 2;
+                EXPECT_GT(smallest_angle(mesh.corners(t)), 1) << amplitude;
+            }
+            // The square, but for noise at its sides.
+            const double whole = 0.01 * (side - 1) * (side - 1);
+            EXPECT_NEAR(area, whole, 4 * 0.1 * side * amplitude + 1e-9);
+        }
+}
+
 TEST(Delaunay, PeelingTakesNothingElse) {
     test::Noise noise(11);
     std::vector<Vec2> points;
