@@ -168,7 +168,7 @@ double roughness(const Model& model, const Points& c) {
 }
 
 void smooth_reversal(Rows& rows) {
-    Model model = subdivided(irregular_torus(8), MeshScheme::Sqrt3, 1);
+    Model model = subdivided(irregular_torus(10), MeshScheme::Sqrt3, 1);
     add_bumps(model);
     add_noise(model.points, 0.01, 11);
     double best = 0;

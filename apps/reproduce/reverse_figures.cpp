@@ -23,9 +23,11 @@ constexpr int kPanel = 420;  ///< pixels
 constexpr int kGap = 12;
 
 /// The coarser, the thicker the edges; fine meshes have none.
-Image panel(const Model& model, int levels, const Points& points, const std::string& caption) {
+Image panel(const Model& model, int levels, const Points& points, const std::string& caption,
+            double azimuth = 215) {
     io::MeshPictureOptions options;
     options.width = kPanel;
+    options.azimuth = azimuth;
     options.altitude = 38;
     const auto vertices = static_cast<double>(model.hierarchy.vertices(model.steps() - levels));
     if (vertices < 4000) {
@@ -33,7 +35,9 @@ Image panel(const Model& model, int levels, const Points& points, const std::str
         options.edges.width = vertices < 600 ? 1.2 : 0.6;
         options.edges.opacity = vertices < 600 ? 0.8 : 0.5;
     }
-    return io::with_caption(io::draw_mesh(mesh_at(model, levels, points), options), caption);
+    // Captions of one length have letters of one size.
+    return io::with_caption(io::draw_mesh(mesh_at(model, levels, points), options),
+                            fmt::format("{:^26}", caption));
 }
 
 /// Pictures side by side, standing on one line.
@@ -67,9 +71,8 @@ Image sampled_torus() {
 Image perturbed(const Polyhedron& base, int steps) {
     Model model = subdivided(base, MeshScheme::Sqrt3, steps);
     std::vector<Image> panels = {panel(model, steps, base.points, "polyhedron")};
-    add_noise(model.points, 0.03, 3);
-    panels.push_back(
-        panel(model, 0, model.points, fmt::format("{} steps finer, perturbed", steps)));
+    add_noise(model.points, 0.02, 3);
+    panels.push_back(panel(model, 0, model.points, "subdivided and perturbed"));
     for (const LiftKind lift : {LiftKind::None, LiftKind::Ring, LiftKind::Chebyshev})
         panels.push_back(panel(model, steps, reversed(model, lift, steps),
                                fmt::format("reversed, {}", multires::lift_name(lift))));
@@ -79,11 +82,13 @@ Image perturbed(const Polyhedron& base, int steps) {
 Image perturbed_vertex() {
     const auto [base, vertex] = torus_with_valence_eight(8);
     Model model = subdivided(base, MeshScheme::Sqrt3, 4);
-    model.points[vertex] += Vec3<double>{0.1, 0, 0.1};
-    std::vector<Image> panels = {panel(model, 0, model.points, "a vertex of valence 8 moved")};
+    model.points[vertex] += Vec3<double>{0.12, 0, 0.04};
+    constexpr double kFromThere = 110;
+    std::vector<Image> panels = {
+        panel(model, 0, model.points, "vertex of valence 8 moved", kFromThere)};
     for (const LiftKind lift : {LiftKind::None, LiftKind::Ring, LiftKind::Chebyshev})
         panels.push_back(panel(model, 4, reversed(model, lift, 4),
-                               fmt::format("level 4, {}", multires::lift_name(lift))));
+                               fmt::format("level 4, {}", multires::lift_name(lift)), kFromThere));
     return row_of(panels);
 }
 
@@ -165,10 +170,10 @@ std::string curves() {
     Points fine;
     for (std::size_t k = 0; k < kPoints; ++k) {
         const double angle = 2 * M_PI * static_cast<double>(k) / kPoints;
-        const double radius = 130 + 45 * std::cos(3 * angle) + 12 * std::sin(5 * angle);
-        fine.push_back({210 + radius * std::cos(angle), 200 + radius * std::sin(angle), 0});
+        const double radius = 112 + 36 * std::cos(3 * angle) + 9 * std::sin(5 * angle);
+        fine.push_back({210 + radius * std::cos(angle), 205 + radius * std::sin(angle), 0});
     }
-    add_noise(fine, 2.5, 3);
+    add_noise(fine, 2, 3);
     std::string svg = fmt::format(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} "
         "{1}\" font-family=\"sans-serif\" font-size=\"15\">\n<rect width=\"100%\" height=\"100%\" "

@@ -40,6 +40,36 @@ bool flip(Polyhedron& shape, Index h) {
     return true;
 }
 
+/// Every vertex to the mean of its neighbours in the angles of the torus, where no face can turn
+/// over.
+void relax(Polyhedron& shape) {
+    struct Angles {
+        double around = 0;
+        double along = 0;
+    };
+    const auto turned = [](double angle) { return std::remainder(angle, 2 * M_PI); };
+    const Topology mesh = *mesh::build(shape.faces, static_cast<Index>(shape.points.size()));
+    const auto valences = mesh::valences(mesh);
+    std::vector<Angles> angles;
+    for (const auto& p : shape.points)
+        angles.push_back({std::atan2(p.z, std::hypot(p.x, p.y) - 3), std::atan2(p.y, p.x)});
+    for (int round = 0; round < 40; ++round) {
+        std::vector<Angles> means = angles;
+        for (Index h = 0; h < mesh.half_edge_count(); ++h) {
+            const Index v = mesh.origin[h];
+            const Angles& to = angles[mesh.target(h)];
+            means[v].around += turned(to.around - angles[v].around) / valences[v];
+            means[v].along += turned(to.along - angles[v].along) / valences[v];
+        }
+        angles = std::move(means);
+    }
+    for (std::size_t v = 0; v < angles.size(); ++v) {
+        const double radius = 3 + std::cos(angles[v].around);
+        shape.points[v] = {radius * std::cos(angles[v].along), radius * std::sin(angles[v].along),
+                           std::sin(angles[v].around)};
+    }
+}
+
 StiffResiduals no_residuals(const MeshHierarchy& hierarchy) {
     StiffResiduals residuals;
     for (int step = 0; step < hierarchy.steps(); ++step)
@@ -67,6 +97,7 @@ Polyhedron irregular_torus(int size) {
     std::mt19937 random(7);
     const auto half_edges = static_cast<Index>(shape.faces.corners.size());
     for (Index tries = 0; tries < half_edges / 6; ++tries) flip(shape, random() % half_edges);
+    relax(shape);
     return shape;
 }
 
