@@ -50,8 +50,8 @@ struct Terrain {
 /// basis.
 [[nodiscard]] std::vector<Row> fvs_rows();
 
-/// Mahdavi-Amiri, Bartels, Samavati: diagrammatic approach for constructing multiresolution of
-/// primal subdivisions.
+/// Multiresolution by reversing subdivision, its filters found by diagrams: sqrt(3), with Loop and
+/// Catmull-Clark.
 [[nodiscard]] std::vector<Row> reverse_rows();
 /// Its figures, drawn with our meshes: PNG and SVG files in a folder that exists. Errors: those of
 /// io::write_png and io::write_file_atomically.

@@ -17,8 +17,7 @@ using multires::LiftKind;
 using multires::MeshScheme;
 using multires::MeshTransform;
 
-constexpr const char* kSource =
-    "reverse subdivision (Mahdavi-Amiri, Bartels, Samavati), sqrt(3) and others";
+constexpr const char* kSource = "reverse subdivision by diagrams (sqrt(3), Loop, Catmull-Clark)";
 
 // --- the paper's formulas
 
@@ -168,7 +167,7 @@ double roughness(const Model& model, const Points& c) {
 }
 
 void smooth_reversal(Rows& rows) {
-    Model model = subdivided(irregular_torus(10), MeshScheme::Sqrt3, 1);
+    Model model = subdivided(irregular_torus(8), MeshScheme::Sqrt3, 1);
     add_bumps(model);
     add_noise(model.points, 0.01, 11);
     double best = 0;

@@ -19,7 +19,7 @@ using io::Image;
 using multires::LiftKind;
 using multires::MeshScheme;
 
-constexpr int kPanel = 420;  ///< pixels
+constexpr int kPanel = 340;  ///< pixels
 constexpr int kGap = 12;
 
 /// The coarser, the thicker the edges; fine meshes have none.
@@ -37,7 +37,7 @@ Image panel(const Model& model, int levels, const Points& points, const std::str
     }
     // Captions of one length have letters of one size.
     return io::with_caption(io::draw_mesh(mesh_at(model, levels, points), options),
-                            fmt::format("{:^26}", caption));
+                            fmt::format("{:^21}", caption));
 }
 
 /// Pictures side by side, standing on one line.
@@ -72,7 +72,7 @@ Image perturbed(const Polyhedron& base, int steps) {
     Model model = subdivided(base, MeshScheme::Sqrt3, steps);
     std::vector<Image> panels = {panel(model, steps, base.points, "polyhedron")};
     add_noise(model.points, 0.02, 3);
-    panels.push_back(panel(model, 0, model.points, "subdivided and perturbed"));
+    panels.push_back(panel(model, 0, model.points, "subdivided, perturbed"));
     for (const LiftKind lift : {LiftKind::None, LiftKind::Ring, LiftKind::Chebyshev})
         panels.push_back(panel(model, steps, reversed(model, lift, steps),
                                fmt::format("reversed, {}", multires::lift_name(lift))));
@@ -84,8 +84,7 @@ Image perturbed_vertex() {
     Model model = subdivided(base, MeshScheme::Sqrt3, 4);
     model.points[vertex] += Vec3<double>{0.12, 0, 0.04};
     constexpr double kFromThere = 110;
-    std::vector<Image> panels = {
-        panel(model, 0, model.points, "vertex of valence 8 moved", kFromThere)};
+    std::vector<Image> panels = {panel(model, 0, model.points, "valence 8, one moved", kFromThere)};
     for (const LiftKind lift : {LiftKind::None, LiftKind::Ring, LiftKind::Chebyshev})
         panels.push_back(panel(model, 4, reversed(model, lift, 4),
                                fmt::format("level 4, {}", multires::lift_name(lift)), kFromThere));
@@ -101,7 +100,7 @@ Image other_alpha() {
         for (const int levels : {2, 4})
             panels.push_back(
                 panel(model, levels, reversed(model, LiftKind::None, levels),
-                      fmt::format("level {}, alpha {}", levels, eighth ? "1/8" : "by valence")));
+                      fmt::format("level {}, alpha {}", levels, eighth ? "1/8" : "varies")));
     }
     return row_of(panels);
 }
