@@ -33,6 +33,18 @@ V weighted(const CurveStep::Row& row, const std::vector<V>& points) {
     return sum;
 }
 
+/// Weights of a coarse point, from its own place on.
+std::vector<double> mask_of(CurveSplit split) {
+    std::vector<double> mask;
+    if (split == CurveSplit::Dyadic)
+        for (const rules::Fraction& weight : rules::kDyadicCurveMask)
+            mask.push_back(weight.value());
+    else
+        for (const rules::Fraction& weight : rules::kTernaryCurveMask)
+            mask.push_back(weight.value());
+    return mask;
+}
+
 /// The basis functions of coarse knots that make up fine point i of the source paper's ends:
 /// discrete B-splines, by the Oslo algorithm.
 CurveStep::Row knot_row(std::size_t coarse_count, std::size_t i) {
@@ -121,7 +133,7 @@ BandedCholesky CurveStep::factored(const std::vector<Row>& rows) const {
                                row[i].weight * row[j].weight);
     for (std::size_t k = 0; k < coarse_count_; ++k)
         if (!is_free(k)) matrix.add(place(k), place(k), 1);
-    // Columns of P are independent, and its old rows: a cubic B-spline's are diagonally dominant.
+    // P has independent columns, and its old rows are independent: their condition is below 4.
     [[maybe_unused]] const bool positive = matrix.factor();
     return matrix;
 }
@@ -140,31 +152,26 @@ CurveStep::Row CurveStep::taps_around(std::size_t k, const Taps& taps) const {
 
 void CurveStep::subdivide_by_mask() {
     const std::size_t n = coarse_count_;
-    subdivision_.resize(closed() ? arity() * n : arity() * (n - 1) + 1);
-    // Beyond the ends points go on straight: 2 c_0 - c_1.
-    const auto add = [&](Row& row, std::size_t before, std::size_t k, double weight) {
-        if (closed()) return add_weight(row, (k + n - before) % n, weight);
-        if (k >= before && k - before < n) return add_weight(row, k - before, weight);
-        const bool start = k < before;
-        add_weight(row, start ? 0 : n - 1, 2 * weight);
-        add_weight(row, start ? 1 : n - 2, -weight);
+    const std::vector<double> mask = mask_of(options_.split);
+    // Coarse point k - 1. Beyond the ends points go on straight: 2 c_0 - c_1.
+    const auto add_before = [&](Row& row, std::size_t k, double weight) {
+        if (closed()) return add_weight(row, (k + n - 1) % n, weight);
+        if (k >= 1 && k <= n) return add_weight(row, k - 1, weight);
+        add_weight(row, k == 0 ? 0 : n - 1, 2 * weight);
+        add_weight(row, k == 0 ? 1 : n - 2, -weight);
     };
+    subdivision_.resize(closed() ? arity() * n : arity() * (n - 1) + 1);
     for (std::size_t i = 0; i < subdivision_.size(); ++i) {
         if (!is_new(i) && !is_free(i / arity())) {
             subdivision_[i] = {{i / arity(), 1}};
             continue;
         }
-        // From the coarse point before the one that precedes point i.
-        const auto visit = [&](const auto& mask) {
-            for (std::size_t r = 0; r < 4; ++r) {
-                const std::size_t from = arity() + i % arity();
-                const std::size_t tap =
-                    from > arity() * r ? from - arity() * r : arity() * r - from;
-                if (tap < mask.size()) add(subdivision_[i], 1, i / arity() + r, mask[tap].value());
-            }
-        };
-        options_.split == CurveSplit::Dyadic ? visit(rules::kDyadicCurveMask)
-                                             : visit(rules::kTernaryCurveMask);
+        for (std::size_t r = 0; r < 4; ++r) {
+            const std::size_t from = arity() + i % arity();
+            const std::size_t to = arity() * r;
+            const std::size_t tap = from > to ? from - to : to - from;
+            if (tap < mask.size()) add_before(subdivision_[i], i / arity() + r, mask[tap]);
+        }
     }
 }
 
