@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "mesh/twins.h"
+#include "relief/mesh/walk.h"
 
 namespace relief::mesh {
 
@@ -18,96 +18,150 @@ Index prev3(Index h) {
     return h % 3 == 0 ? h + 2 : h - 1;
 }
 
-Topology allocate(const MeshCounts& counts, int sides) {
-    Topology mesh;
-    mesh.vertex_count = static_cast<Index>(counts.vertices);
-    mesh.edge_count = static_cast<Index>(counts.edges);
-    mesh.face_count = static_cast<Index>(counts.faces);
-    mesh.sides = sides;
-    mesh.origin = Buffer<Index>(counts.half_edges);
-    mesh.twin = Buffer<Index>(counts.half_edges);
-    return mesh;
+/// The half-edges of a finer mesh are written in order; so edges get their numbers as they come.
+class EdgeNumbers {
+  public:
+    explicit EdgeNumbers(Topology& fine) : twin_(fine.twin.data()), edge_(fine.edge.data()) {}
+
+    /// The next half-edges, whose twins are known, up to `end`.
+    void continue_to(Index end) {
+        for (; next_ < end; ++next_) {
+            const bool is_first = next_ < twin_[next_];
+            // Half-edge 0 has a number by now, if it is read.
+            const Index known = edge_[is_first ? 0 : twin_[next_]];
+            edge_[next_] = is_first ? count_ : known;
+            count_ += is_first;
+        }
+    }
+
+  private:
+    const Index* twin_;
+    Index* edge_;
+    Index next_ = 0;
+    Index count_ = 0;
+};
+
+/// Triangle f has the children 4f .. 4f + 3: their corners.
+void set_children(const Topology& coarse, Index f, Index* corners) {
+    const Index* origin = coarse.origin.data() + 3 * f;
+    const Index* edge = coarse.edge.data() + 3 * f;
+    const Index first_new = coarse.vertex_count;
+    const std::array<Index, 3> points{first_new + edge[0], first_new + edge[1],
+                                      first_new + edge[2]};
+    for (std::size_t k = 0; k < 3; ++k) {
+        corners[3 * k] = origin[k];
+        corners[3 * k + 1] = points[k];
+        corners[3 * k + 2] = points[k == 0 ? 2 : k - 1];
+        corners[9 + k] = points[k];
+    }
 }
 
-/// Triangle f has the children 4f .. 4f + 3.
 void split_triangles(const Topology& coarse, Topology& fine) {
-    const Index first_new = coarse.vertex_count;
+    EdgeNumbers numbers(fine);
     for (Index f = 0; f < coarse.face_count; ++f) {
-        const Index h = 3 * f;
-        const Index to = 4 * h;
-        std::array<Index, 3> points{};
-        for (Index k = 0; k < 3; ++k) points[k] = first_new + coarse.edge[h + k];
+        const Index* across = coarse.twin.data() + 3 * f;
+        const Index to = 12 * f;
+        set_children(coarse, f, fine.origin.data() + to);
         for (Index k = 0; k < 3; ++k) {
             const Index j = k == 2 ? 0 : k + 1;
             const Index i = k == 0 ? 2 : k - 1;
-            Index* origin = fine.origin.data() + to + 3 * k;
-            origin[0] = coarse.origin[h + k];
-            origin[1] = points[k];
-            origin[2] = points[i];
-            fine.origin[to + 9 + k] = points[k];
             // The halves of the edges in front of and behind corner k.
-            const Index across = coarse.twin[h + k];
-            const Index behind = coarse.twin[h + i];
             Index* twin = fine.twin.data() + to + 3 * k;
-            twin[0] = across == kNone ? kNone : 12 * (across / 3) + 3 * (next3(across) % 3) + 2;
+            twin[0] = across[k] == kNone ? kNone : halves(coarse, Split::Loop, across[k])[1];
             twin[1] = to + 9 + i;
-            twin[2] = behind == kNone ? kNone : 12 * (behind / 3) + 3 * (behind % 3);
+            twin[2] = across[i] == kNone ? kNone : halves(coarse, Split::Loop, across[i])[0];
             fine.twin[to + 9 + k] = to + 3 * j + 1;
         }
+        numbers.continue_to(to + 12);
     }
 }
 
-/// Half-edge h has the child quad h.
-void split_polygons(const Topology& coarse, Topology& fine) {
+/// The child quad h of half-edge h of face f.
+void set_child(const Topology& coarse, Index f, Index h, Index prev, Index* corners) {
     const Index edges = coarse.vertex_count;
-    const Index faces = edges + coarse.edge_count;
-    for (Index f = 0; f < coarse.face_count; ++f) {
-        const Index begin = coarse.first_of(f);
-        const Index end = coarse.first_of(f + 1);
-        for (Index h = begin; h < end; ++h) {
-            const Index next = h + 1 == end ? begin : h + 1;
-            const Index prev = h == begin ? end - 1 : h - 1;
-            Index* origin = fine.origin.data() + 4 * h;
-            origin[0] = coarse.origin[h];
-            origin[1] = edges + coarse.edge[h];
-            origin[2] = faces + f;
-            origin[3] = edges + coarse.edge[prev];
-            const Index across = coarse.twin[h];
-            const Index behind = coarse.twin[prev];
-            Index* twin = fine.twin.data() + 4 * h;
-            twin[0] = across == kNone ? kNone : 4 * coarse.next(across) + 3;
-            twin[1] = 4 * next + 2;
-            twin[2] = 4 * prev + 1;
-            twin[3] = behind == kNone ? kNone : 4 * behind;
-        }
-    }
+    corners[0] = coarse.origin[h];
+    corners[1] = edges + coarse.edge[h];
+    corners[2] = edges + coarse.edge_count + f;
+    corners[3] = edges + coarse.edge[prev];
+}
+
+/// next_of(h): the next half-edge on the face.
+template <class Next>
+void split_polygons(const Topology& coarse, Topology& fine, Next next_of) {
+    EdgeNumbers numbers(fine);
+    each_half_edge(coarse, [&](Index f, Index h, Index next, Index prev) {
+        set_child(coarse, f, h, prev, fine.origin.data() + 4 * h);
+        const Index across = coarse.twin[h];
+        const Index behind = coarse.twin[prev];
+        Index* twin = fine.twin.data() + 4 * h;
+        twin[0] = across == kNone ? kNone : 4 * next_of(across) + 3;
+        twin[1] = 4 * next + 2;
+        twin[2] = 4 * prev + 1;
+        twin[3] = behind == kNone ? kNone : 4 * behind;
+        numbers.continue_to(4 * h + 4);
+    });
 }
 
 /// sqrt(3) steps: the fine face at half-edge h has the corners origin(h), the point beyond h, and
 /// that on its own side.
 class Sqrt3 {
   public:
-    Sqrt3(const Topology& coarse, Split split, Topology& fine)
+    Sqrt3(const Topology& coarse, Split split)
         : coarse_(coarse),
           even_(split == Split::Sqrt3Even),
-          fine_(fine),
-          points_(face_points(coarse, split)),
-          faces_(sqrt3_faces(coarse, split)) {}
+          trisects_(even_ && counts_of(coarse).boundary_edges > 0),
+          points_(face_points(coarse, split)) {}
 
-    void split() {
+    /// The fine faces in order: inner(h) for the one at a half-edge inside, border(h) for that of a
+    /// boundary edge.
+    template <class Inner, class Border>
+    void each_face(Inner inner, Border border) const {
+        for (Index h = 0; h < coarse_.half_edge_count(); ++h) {
+            if (!coarse_.is_first(h)) continue;
+            const Index twin = coarse_.twin[h];
+            if (twin == kNone) {
+                if (!even_) border(h);
+                continue;
+            }
+            const bool ascends = coarse_.origin[h] < coarse_.origin[twin];
+            inner(ascends ? h : twin);
+            inner(ascends ? twin : h);
+        }
+        if (!trisects_) return;
         for (Index h = 0; h < coarse_.half_edge_count(); ++h)
-            if (!coarse_.on_boundary(h))
-                inner_face(h);
-            else if (!even_)
-                boundary_face(h);
-            else
-                middle_face(h);
+            if (coarse_.on_boundary(h)) border(h);
+    }
+
+    [[nodiscard]] std::array<Index, 3> inner_corners(Index h) const {
+        return {coarse_.origin[h], point(coarse_.twin[h]), point(h)};
+    }
+
+    /// (a, b, L) in odd steps, (p, q, c) in even ones.
+    [[nodiscard]] std::array<Index, 3> border_corners(Index h) const {
+        const Index p = points_[h / 3];
+        if (even_) return {p, p + 1, coarse_.origin[prev3(h)]};
+        return {coarse_.origin[h], coarse_.origin[next3(h)], p};
+    }
+
+    void split(Topology& fine) const {
+        const Buffer<Index> faces =
+            sqrt3_faces(coarse_, even_ ? Split::Sqrt3Even : Split::Sqrt3Odd);
+        EdgeNumbers numbers(fine);
+        Index to = 0;
+        const auto set = [&](std::array<Index, 3> corners, std::array<Index, 3> twins) {
+            std::copy_n(corners.data(), 3, fine.origin.data() + to);
+            std::copy_n(twins.data(), 3, fine.twin.data() + to);
+            to += 3;
+            numbers.continue_to(to);
+        };
+        each_face([&](Index h) { set(inner_corners(h), inner_twins(faces, h)); },
+                  [&](Index h) { set(border_corners(h), border_twins(faces, h)); });
     }
 
   private:
     /// The side of the face of h that is trisected.
     [[nodiscard]] Index trisected(Index h) const {
-        return even_ ? boundary_side(coarse_, h / 3) : kNone;
+        return trisects_ ? boundary_side(coarse_, h / 3) : kNone;
     }
 
     /// The new point on the side of h that its flipped edge leads to.
@@ -118,47 +172,34 @@ class Sqrt3 {
 
     /// The fine half-edge from origin(h) into the face of h, whose side `h` was: twin of the one
     /// that comes out of it.
-    [[nodiscard]] Index from_origin(Index h) const {
+    [[nodiscard]] Index from_origin(const Buffer<Index>& faces, Index h) const {
         const Index before = prev3(h);
-        if (coarse_.on_boundary(before)) return 3 * faces_[before] + 1;
-        return 3 * faces_[coarse_.twin[before]];
+        if (coarse_.on_boundary(before)) return 3 * faces[before] + 1;
+        return 3 * faces[coarse_.twin[before]];
     }
 
-    void set(Index face, std::array<Index, 3> corners, std::array<Index, 3> twins) {
-        std::copy_n(corners.data(), 3, fine_.origin.data() + 3 * face);
-        std::copy_n(twins.data(), 3, fine_.twin.data() + 3 * face);
-    }
-
-    void inner_face(Index h) {
+    [[nodiscard]] std::array<Index, 3> inner_twins(const Buffer<Index>& faces, Index h) const {
         const Index twin = coarse_.twin[h];
-        Index begin = 3 * faces_[next3(twin)] + 2;
+        Index begin = 3 * faces[next3(twin)] + 2;
         if (const Index side = trisected(twin); side != kNone)
-            begin = twin == next3(side) ? 3 * faces_[side] + 1 : kNone;
-        Index end = from_origin(h);
-        if (const Index side = trisected(h); side != kNone)
-            end = h == prev3(side) ? 3 * faces_[side] + 2 : kNone;
-        set(faces_[h], {coarse_.origin[h], point(twin), point(h)},
-            {begin, 3 * faces_[twin] + 1, end});
+            begin = twin == next3(side) ? 3 * faces[side] + 1 : kNone;
+        Index end = kNone;
+        if (const Index side = trisected(h); side == kNone)
+            end = from_origin(faces, h);
+        else if (h == prev3(side))
+            end = 3 * faces[side] + 2;
+        return {begin, 3 * faces[twin] + 1, end};
     }
 
-    /// (a, b, L)
-    void boundary_face(Index h) {
-        set(faces_[h], {coarse_.origin[h], coarse_.origin[next3(h)], points_[h / 3]},
-            {kNone, 3 * faces_[next3(h)] + 2, from_origin(h)});
-    }
-
-    /// (p, q, c)
-    void middle_face(Index h) {
-        const Index p = points_[h / 3];
-        set(faces_[h], {p, p + 1, coarse_.origin[prev3(h)]},
-            {kNone, 3 * faces_[coarse_.twin[next3(h)]], 3 * faces_[prev3(h)] + 2});
+    [[nodiscard]] std::array<Index, 3> border_twins(const Buffer<Index>& faces, Index h) const {
+        if (even_) return {kNone, 3 * faces[coarse_.twin[next3(h)]], 3 * faces[prev3(h)] + 2};
+        return {kNone, 3 * faces[next3(h)] + 2, from_origin(faces, h)};
     }
 
     const Topology& coarse_;
     bool even_;
-    Topology& fine_;
+    bool trisects_;
     FacePoints points_;
-    Buffer<Index> faces_;
 };
 
 Status check_triangles(const Topology& mesh, Split split) {
@@ -233,25 +274,55 @@ Status check_size(const MeshCounts& counts) {
                  "mesh"};
 }
 
-Result<Topology> refine(const Topology& coarse, Split split) {
+Status check_split(const Topology& coarse, Split split) {
     if (split != Split::CatmullClark) RELIEF_CHECK(check_triangles(coarse, split));
+    return check_size(refined(counts_of(coarse), split));
+}
+
+Status refine(const Topology& coarse, Split split, Topology& fine) {
+    RELIEF_CHECK(check_split(coarse, split));
     const MeshCounts counts = refined(counts_of(coarse), split);
-    RELIEF_CHECK(check_size(counts));
-    Topology fine = allocate(counts, split == Split::CatmullClark ? 4 : 3);
-    switch (split) {
-        case Split::Loop:
-            split_triangles(coarse, fine);
-            break;
-        case Split::CatmullClark:
-            split_polygons(coarse, fine);
-            break;
-        case Split::Sqrt3Odd:
-        case Split::Sqrt3Even:
-            Sqrt3(coarse, split, fine).split();
-            break;
-    }
-    number_edges(fine);
+    fine.vertex_count = static_cast<Index>(counts.vertices);
+    fine.edge_count = static_cast<Index>(counts.edges);
+    fine.face_count = static_cast<Index>(counts.faces);
+    fine.sides = sides_after(split);
+    for (Buffer<Index>* buffer : {&fine.origin, &fine.twin, &fine.edge})
+        buffer->renew(counts.half_edges);
+    if (split == Split::Loop)
+        split_triangles(coarse, fine);
+    else if (split != Split::CatmullClark)
+        Sqrt3(coarse, split).split(fine);
+    else if (coarse.sides == 4)
+        split_polygons(coarse, fine, [](Index h) { return h % 4 == 3 ? h - 3 : h + 1; });
+    else
+        split_polygons(coarse, fine, [&](Index h) { return coarse.next(h); });
+    return {};
+}
+
+Result<Topology> refine(const Topology& coarse, Split split) {
+    Topology fine;
+    RELIEF_CHECK(refine(coarse, split, fine));
     return fine;
+}
+
+void split_faces(const Topology& coarse, Split split, std::span<Index> corners) {
+    Index* to = corners.data();
+    if (split == Split::Loop) {
+        for (Index f = 0; f < coarse.face_count; ++f, to += 12) set_children(coarse, f, to);
+        return;
+    }
+    if (split == Split::CatmullClark) {
+        each_half_edge(coarse, [&](Index f, Index h, Index, Index prev) {
+            set_child(coarse, f, h, prev, to + 4 * h);
+        });
+        return;
+    }
+    const Sqrt3 sqrt3(coarse, split);
+    const auto set = [&](const std::array<Index, 3>& face) {
+        to = std::copy_n(face.data(), 3, to);
+    };
+    sqrt3.each_face([&](Index h) { set(sqrt3.inner_corners(h)); },
+                    [&](Index h) { set(sqrt3.border_corners(h)); });
 }
 
 FacePoints face_points(const Topology& coarse, Split split) {

@@ -15,8 +15,7 @@ void* allocate_aligned(std::size_t bytes);
 void free_aligned(void* block) noexcept;
 }  // namespace detail
 
-/// An owned, fixed-size, cache-line aligned array. Elements are NOT initialised: whoever allocates,
-/// fills.
+/// An owned, cache-line aligned array. Elements are NOT initialised: whoever allocates, fills.
 template <class T>
 class Buffer {
     static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
@@ -25,7 +24,18 @@ class Buffer {
     Buffer() = default;
     explicit Buffer(std::size_t size)
         : data_(size ? static_cast<T*>(detail::allocate_aligned(size * sizeof(T))) : nullptr),
-          size_(size) {}
+          size_(size),
+          capacity_(size) {}
+
+    /// Becomes an array of another size; what was in it is lost. Allocates only if it must grow
+    /// beyond all sizes that it had.
+    void renew(std::size_t size) {
+        if (size > capacity_) {
+            data_.reset();
+            *this = Buffer(size);
+        }
+        size_ = size;
+    }
 
     [[nodiscard]] T* data() { return data_.get(); }
     [[nodiscard]] const T* data() const { return data_.get(); }
@@ -39,6 +49,7 @@ class Buffer {
     };
     std::unique_ptr<T[], Free> data_;
     std::size_t size_ = 0;
+    std::size_t capacity_ = 0;
 };
 
 }  // namespace relief
