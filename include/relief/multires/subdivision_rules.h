@@ -73,8 +73,8 @@ struct SmoothRule {
 [[nodiscard]] SmoothRule catmull_clark_smooth(mesh::Index n);
 
 /// Smooth vertices in the classical form of their rule, which holds for darts too: the weights of
-/// the vertex itself and of each vertex of its ring; for Catmull-Clark the ring are the other ends of
-/// its edges and the points of its faces.
+/// the vertex itself and of each vertex of its ring; for Catmull-Clark the ring are the other ends
+/// of its edges and the points of its faces.
 struct RingRule {
     double self = 1;
     double ring = 0;
