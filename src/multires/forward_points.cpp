@@ -23,9 +23,6 @@ Index prev3(Index h) {
 template <class T>
 class RegularPoints {
   public:
-    using L = Lanes<T>;
-    using Vector = typename L::Vector;
-
     RegularPoints(const Topology& coarse, Vec3<T>* points, T* sums)
         : mesh_(coarse),
           origin_(coarse.origin.data()),
@@ -39,23 +36,19 @@ class RegularPoints {
     void loop() {
         const Index count = mesh_.half_edge_count();
         for (Index h = 0; h < count; h += 3) {
-            L a;
-            L b;
-            L c;
-            load_triangle(h, a, b, c);
-            add_ring(h, b);
-            add_ring(h + 1, c);
-            add_ring(h + 2, a);
-            loop_edge(h, a.v + b.v, c);
-            loop_edge(h + 1, b.v + c.v, a);
-            loop_edge(h + 2, c.v + a.v, b);
+            const Lanes<T> a = load(h);
+            const Lanes<T> b = load(h + 1);
+            const Lanes<T> c = load(h + 2);
+            loop_edge(h, a, b, c);
+            loop_edge(h + 1, b, c, a);
+            loop_edge(h + 2, c, a, b);
         }
     }
 
     void catmull_clark() {
         Vec3<T>* const faces = fresh_ + mesh_.edge_count;
         if (mesh_.sides == 4) {
-            for (Index f = 0; f < mesh_.face_count; ++f) quad_point(f, faces + f);
+            for (Index f = 0; f < mesh_.face_count; ++f) quad_point(4 * f, faces + f);
             for (Index f = 0; f < mesh_.face_count; ++f) quad_edges(f, faces);
             return;
         }
@@ -75,36 +68,27 @@ class RegularPoints {
     }
 
   private:
-    void load(Index h, L& point) const { L::load(points_ + origin_[h], point); }
-    void load_triangle(Index h, L& a, L& b, L& c) const {
-        load(h, a);
-        load(h + 1, b);
-        load(h + 2, c);
-    }
+    [[nodiscard]] Lanes<T> load(Index h) const { return Lanes<T>::load(points_ + origin_[h]); }
 
-    void add_ring(Index h, const L& point) {
+    void add_ring(Index h, const Lanes<T>& point) {
         T* const to = sums_ + 4 * std::size_t{origin_[h]};
-        Vector sum;
-        std::memcpy(&sum, to, sizeof sum);
-        sum += point.v;
-        std::memcpy(to, &sum, sizeof sum);
+        (Lanes<T>::load(to) + point).store(to);
     }
 
-    void loop_edge(Index h, const Vector& ends, const L& wing) {
+    /// From a to b, in front of c.
+    void loop_edge(Index h, const Lanes<T>& a, const Lanes<T>& b, const Lanes<T>& c) {
+        add_ring(h, b);
         const Index twin = twin_[h];
         if (twin <= h) return;
-        L other = wing;
-        if (twin != kNone) load(prev3(twin), other);
-        const L point{static_cast<T>(rules::kLoopEdgeEnd) * ends +
-                      static_cast<T>(rules::kLoopEdgeWing) * (wing.v + other.v)};
+        const Lanes<T> other = twin == kNone ? c : load(prev3(twin));
+        const Lanes<T> point = static_cast<T>(rules::kLoopEdgeEnd) * (a + b) +
+                               static_cast<T>(rules::kLoopEdgeWing) * (c + other);
         point.store(fresh_++);
     }
 
-    void quad_point(Index f, Vec3<T>* to) const {
-        L corner[4];
-        for (Index k = 0; k < 4; ++k) load(4 * f + k, corner[k]);
-        const L point{T{0.25} * ((corner[0].v + corner[1].v) + (corner[2].v + corner[3].v))};
-        point.store(to);
+    void quad_point(Index h, Vec3<T>* to) const {
+        const Lanes<T> sum = (load(h) + load(h + 1)) + (load(h + 2) + load(h + 3));
+        (T{0.25} * sum).store(to);
     }
 
     void polygon_point(Index f, Vec3<T>* to) const {
@@ -114,55 +98,53 @@ class RegularPoints {
     }
 
     void quad_edges(Index f, const Vec3<T>* faces) {
-        L corner[4];
-        for (Index k = 0; k < 4; ++k) load(4 * f + k, corner[k]);
-        L own;
-        L::load_last(faces + f, own);
-        for (Index k = 0; k < 4; ++k) {
-            const L& next = corner[(k + 1) % 4];
-            const Index h = 4 * f + k;
-            add_ring(h, {next.v + own.v});
-            if (twin_[h] <= h) continue;
-            quad_edge(corner[k].v + next.v, own, faces + (twin_[h] == kNone ? f : twin_[h] / 4));
-        }
+        const Lanes<T> own = Lanes<T>::load_last(faces + f);
+        const Index h = 4 * f;
+        const Lanes<T> a = load(h);
+        const Lanes<T> b = load(h + 1);
+        const Lanes<T> c = load(h + 2);
+        const Lanes<T> d = load(h + 3);
+        const auto edge = [&](Index side, const Lanes<T>& from, const Lanes<T>& to) {
+            add_ring(side, to + own);
+            const Index twin = twin_[side];
+            if (twin <= side) return;
+            add_edge(from + to, own, faces + (twin == kNone ? f : twin / 4));
+        };
+        edge(h, a, b);
+        edge(h + 1, b, c);
+        edge(h + 2, c, d);
+        edge(h + 3, d, a);
     }
 
     void polygon_edges(Index f, const Vec3<T>* faces) {
-        L own;
-        L::load_last(faces + f, own);
+        const Lanes<T> own = Lanes<T>::load_last(faces + f);
         const Index begin = mesh_.first_of(f);
         const Index end = mesh_.first_of(f + 1);
         for (Index h = begin; h < end; ++h) {
-            L point;
-            L next;
-            load(h, point);
-            load(h + 1 == end ? begin : h + 1, next);
-            add_ring(h, {next.v + own.v});
+            const Lanes<T> to = load(h + 1 == end ? begin : h + 1);
+            add_ring(h, to + own);
             const Index twin = twin_[h];
             if (twin <= h) continue;
-            quad_edge(point.v + next.v, own, faces + (twin == kNone ? f : mesh_.face_of(twin)));
+            add_edge(load(h) + to, own, faces + (twin == kNone ? f : mesh_.face_of(twin)));
         }
     }
 
-    void quad_edge(const Vector& ends, const L& own, const Vec3<T>* beyond) {
-        L other;
-        L::load_last(beyond, other);
-        const L point{static_cast<T>(rules::kQuadEdgeEnd) * ends +
-                      static_cast<T>(rules::kQuadEdgeFace) * (own.v + other.v)};
+    void add_edge(const Lanes<T>& ends, const Lanes<T>& own, const Vec3<T>* beyond) {
+        const Lanes<T> both = own + Lanes<T>::load_last(beyond);
+        const Lanes<T> point = static_cast<T>(rules::kQuadEdgeEnd) * ends +
+                               static_cast<T>(rules::kQuadEdgeFace) * both;
         point.store(fresh_++);
     }
 
     void sqrt3_faces(Index begin, Index end) {
-        for (Index f = begin; f < end; ++f) {
-            L a;
-            L b;
-            L c;
-            load_triangle(3 * f, a, b, c);
-            add_ring(3 * f, b);
-            add_ring(3 * f + 1, c);
-            add_ring(3 * f + 2, a);
-            const L point{static_cast<T>(rules::kFacePoint3) * (a.v + b.v + c.v)};
-            point.store(fresh_++);
+        for (Index h = 3 * begin; h < 3 * end; h += 3) {
+            const Lanes<T> a = load(h);
+            const Lanes<T> b = load(h + 1);
+            const Lanes<T> c = load(h + 2);
+            add_ring(h, b);
+            add_ring(h + 1, c);
+            add_ring(h + 2, a);
+            (static_cast<T>(rules::kFacePoint3) * (a + b + c)).store(fresh_++);
         }
     }
 
@@ -178,12 +160,9 @@ template <class T>
 void move_old(Index count, const ForwardRules& rules, Vec3<T>* points, const T* sums) {
     const auto move = [&](std::size_t begin, std::size_t end, auto rule_of) {
         for (std::size_t v = begin; v < end; ++v) {
-            Lanes<T> point;
-            typename Lanes<T>::Vector sum;
-            Lanes<T>::load(points + v, point);
-            std::memcpy(&sum, sums + 4 * v, sizeof sum);
             const rules::RingRule rule = rule_of(v);
-            point.v = static_cast<T>(rule.self) * point.v + static_cast<T>(rule.ring) * sum;
+            const Lanes<T> point = static_cast<T>(rule.self) * Lanes<T>::load(points + v) +
+                                   static_cast<T>(rule.ring) * Lanes<T>::load(sums + 4 * v);
             point.store(points + v);
         }
     };
