@@ -116,17 +116,16 @@ class Sqrt3 {
     /// boundary edge.
     template <class Inner, class Border>
     void each_face(Inner inner, Border border) const {
-        for (Index h = 0; h < coarse_.half_edge_count(); ++h) {
-            if (!coarse_.is_first(h)) continue;
+        each_edge(coarse_, [&](Index h, Index next, Index) {
             const Index twin = coarse_.twin[h];
             if (twin == kNone) {
                 if (!even_) border(h);
-                continue;
+                return;
             }
-            const bool ascends = coarse_.origin[h] < coarse_.origin[twin];
+            const bool ascends = coarse_.origin[h] < coarse_.origin[next];
             inner(ascends ? h : twin);
             inner(ascends ? twin : h);
-        }
+        });
         if (!trisects_) return;
         for (Index h = 0; h < coarse_.half_edge_count(); ++h)
             if (coarse_.on_boundary(h)) border(h);
@@ -212,7 +211,7 @@ Status check_triangles(const Topology& mesh, Split split) {
                          "takes all polygons",
                      "face " + std::to_string(f)};
     }
-    if (split != Split::Sqrt3Even) return {};
+    if (split != Split::Sqrt3Even || counts_of(mesh).boundary_edges == 0) return {};
     for (Index f = 0; f < mesh.face_count; ++f) {
         int sides = 0;
         for (Index k = 0; k < 3; ++k) sides += mesh.on_boundary(3 * f + k);
