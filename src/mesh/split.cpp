@@ -110,7 +110,14 @@ class Sqrt3 {
         : coarse_(coarse),
           even_(split == Split::Sqrt3Even),
           trisects_(even_ && counts_of(coarse).boundary_edges > 0),
-          points_(face_points(coarse, split)) {}
+          points_(face_points(coarse, split)) {
+        if (!trisects_) return;
+        sides_ = Buffer<std::uint8_t>(coarse.face_count);
+        std::fill_n(sides_.data(), sides_.size(), kNoSide);
+        each_half_edge(coarse, [&](Index f, Index h, Index, Index) {
+            if (coarse.on_boundary(h)) sides_[f] = static_cast<std::uint8_t>(h - 3 * f);
+        });
+    }
 
     /// The fine faces in order: inner(h) for the one at a half-edge inside, border(h) for that of a
     /// boundary edge.
@@ -158,9 +165,12 @@ class Sqrt3 {
     }
 
   private:
+    static constexpr std::uint8_t kNoSide = 3;
+
     /// The side of the face of h that is trisected.
     [[nodiscard]] Index trisected(Index h) const {
-        return trisects_ ? boundary_side(coarse_, h / 3) : kNone;
+        if (!trisects_ || sides_[h / 3] == kNoSide) return kNone;
+        return h - h % 3 + sides_[h / 3];
     }
 
     /// The new point on the side of h that its flipped edge leads to.
@@ -199,6 +209,7 @@ class Sqrt3 {
     bool even_;
     bool trisects_;
     FacePoints points_;
+    Buffer<std::uint8_t> sides_;  ///< [face], if any is trisected: which side
 };
 
 Status check_triangles(const Topology& mesh, Split split) {
@@ -341,6 +352,12 @@ FacePoints face_points(const Topology& coarse, Split split) {
 Buffer<Index> sqrt3_faces(const Topology& coarse, Split split) {
     const bool even = split == Split::Sqrt3Even;
     Buffer<Index> faces(coarse.half_edge_count());
+    if (counts_of(coarse).boundary_edges == 0) {
+        each_half_edge(coarse, [&](Index, Index h, Index next, Index) {
+            faces[h] = 2 * coarse.edge[h] + (coarse.origin[h] > coarse.origin[next]);
+        });
+        return faces;
+    }
     Index count = 0;
     for (Index h = 0; h < coarse.half_edge_count(); ++h) {
         if (!coarse.is_first(h)) continue;
