@@ -102,115 +102,126 @@ void split_polygons(const Topology& coarse, Topology& fine, Next next_of) {
     });
 }
 
-/// sqrt(3) steps: the fine face at half-edge h has the corners origin(h), the point beyond h, and
-/// that on its own side.
+/// sqrt(3) steps. The fine face at half-edge h has the corners origin(h), the point beyond h, and
+/// that on its own side. Each coarse face writes what it knows of the fine faces at its half-edges
+/// and across them, so that it needs to look at no other face. WithTwins: or corners alone.
+template <bool WithTwins>
 class Sqrt3 {
   public:
-    Sqrt3(const Topology& coarse, Split split)
-        : coarse_(coarse),
-          even_(split == Split::Sqrt3Even),
-          trisects_(even_ && counts_of(coarse).boundary_edges > 0),
-          points_(face_points(coarse, split)) {
-        if (!trisects_) return;
-        sides_ = Buffer<std::uint8_t>(coarse.face_count);
-        std::fill_n(sides_.data(), sides_.size(), kNoSide);
-        each_half_edge(coarse, [&](Index f, Index h, Index, Index) {
-            if (coarse.on_boundary(h)) sides_[f] = static_cast<std::uint8_t>(h - 3 * f);
-        });
+    Sqrt3(const Topology& coarse, Split split, Index* corners, Index* twins)
+        : coarse_(coarse), even_(split == Split::Sqrt3Even), corners_(corners), twins_(twins) {
+        if (counts_of(coarse).boundary_edges > 0) number_faces();
     }
 
-    /// The fine faces in order: inner(h) for the one at a half-edge inside, border(h) for that of a
-    /// boundary edge.
-    template <class Inner, class Border>
-    void each_face(Inner inner, Border border) const {
-        each_edge(coarse_, [&](Index h, Index next, Index) {
-            const Index twin = coarse_.twin[h];
-            if (twin == kNone) {
-                if (!even_) border(h);
-                return;
+    void split() {
+        Index point = coarse_.vertex_count;
+        for (Index f = 0; f < coarse_.face_count; ++f) {
+            const Index side = pairs_.size() > 0 && even_ ? boundary_side(coarse_, f) : kNone;
+            if (side == kNone) {
+                split_face(3 * f, point++);
+            } else {
+                trisect(side, point);
+                point += 2;
             }
-            const bool ascends = coarse_.origin[h] < coarse_.origin[next];
-            inner(ascends ? h : twin);
-            inner(ascends ? twin : h);
-        });
-        if (!trisects_) return;
-        for (Index h = 0; h < coarse_.half_edge_count(); ++h)
-            if (coarse_.on_boundary(h)) border(h);
-    }
-
-    [[nodiscard]] std::array<Index, 3> inner_corners(Index h) const {
-        return {coarse_.origin[h], point(coarse_.twin[h]), point(h)};
-    }
-
-    /// (a, b, L) in odd steps, (p, q, c) in even ones.
-    [[nodiscard]] std::array<Index, 3> border_corners(Index h) const {
-        const Index p = points_[h / 3];
-        if (even_) return {p, p + 1, coarse_.origin[prev3(h)]};
-        return {coarse_.origin[h], coarse_.origin[next3(h)], p};
-    }
-
-    void split(Topology& fine) const {
-        const Buffer<Index> faces =
-            sqrt3_faces(coarse_, even_ ? Split::Sqrt3Even : Split::Sqrt3Odd);
-        EdgeNumbers numbers(fine);
-        Index to = 0;
-        const auto set = [&](std::array<Index, 3> corners, std::array<Index, 3> twins) {
-            std::copy_n(corners.data(), 3, fine.origin.data() + to);
-            std::copy_n(twins.data(), 3, fine.twin.data() + to);
-            to += 3;
-            numbers.continue_to(to);
-        };
-        each_face([&](Index h) { set(inner_corners(h), inner_twins(faces, h)); },
-                  [&](Index h) { set(border_corners(h), border_twins(faces, h)); });
+        }
     }
 
   private:
-    static constexpr std::uint8_t kNoSide = 3;
-
-    /// The side of the face of h that is trisected.
-    [[nodiscard]] Index trisected(Index h) const {
-        if (!trisects_ || sides_[h / 3] == kNoSide) return kNone;
-        return h - h % 3 + sides_[h / 3];
+    /// The fine faces at a half-edge and across it, which come together; the one that begins at the
+    /// vertex with the smaller number is first.
+    struct Pair {
+        Index own;
+        Index across;
+    };
+    [[nodiscard]] Index first_face(Index h) const {
+        return pairs_.size() > 0 ? pairs_[coarse_.edge[h]] : 2 * coarse_.edge[h];
+    }
+    [[nodiscard]] Pair pair_at(Index h, Index next) const {
+        const Index first = first_face(h);
+        const Index descends = coarse_.origin[h] > coarse_.origin[next];
+        return {first + descends, first + 1 - descends};
     }
 
-    /// The new point on the side of h that its flipped edge leads to.
-    [[nodiscard]] Index point(Index h) const {
-        const Index side = trisected(h);
-        return points_[h / 3] + (side != kNone && h == next3(side) ? 1 : 0);
+    /// Meshes with boundary: its edges have one face in odd steps, none here in even ones.
+    void number_faces() {
+        pairs_ = Buffer<Index>(coarse_.edge_count);
+        Index count = 0;
+        each_edge(coarse_, [&](Index h, Index, Index) {
+            pairs_[coarse_.edge[h]] = count;
+            count += coarse_.on_boundary(h) ? (even_ ? 0 : 1) : 2;
+        });
+        middle_ = count;
     }
 
-    /// The fine half-edge from origin(h) into the face of h, whose side `h` was: twin of the one
-    /// that comes out of it.
-    [[nodiscard]] Index from_origin(const Buffer<Index>& faces, Index h) const {
-        const Index before = prev3(h);
-        if (coarse_.on_boundary(before)) return 3 * faces[before] + 1;
-        return 3 * faces[coarse_.twin[before]];
+    void set(Index to, const std::array<Index, 3>& corners) {
+        std::copy_n(corners.data(), 3, corners_ + to);
+    }
+    void link(Index a, Index b) {
+        if constexpr (WithTwins) {
+            twins_[a] = b;
+            twins_[b] = a;
+        }
+    }
+    void end(Index h) {
+        if constexpr (WithTwins) twins_[h] = kNone;
     }
 
-    [[nodiscard]] std::array<Index, 3> inner_twins(const Buffer<Index>& faces, Index h) const {
-        const Index twin = coarse_.twin[h];
-        Index begin = 3 * faces[next3(twin)] + 2;
-        if (const Index side = trisected(twin); side != kNone)
-            begin = twin == next3(side) ? 3 * faces[side] + 1 : kNone;
-        Index end = kNone;
-        if (const Index side = trisected(h); side == kNone)
-            end = from_origin(faces, h);
-        else if (h == prev3(side))
-            end = 3 * faces[side] + 2;
-        return {begin, 3 * faces[twin] + 1, end};
+    void split_face(Index h, Index point) {
+        // Fine half-edges out of each corner to the point, and back from it.
+        const std::array<Out, 3> sides{side(h, h + 1, point), side(h + 1, h + 2, point),
+                                       side(h + 2, h, point)};
+        link(sides[0].back, sides[2].out);
+        link(sides[1].back, sides[0].out);
+        link(sides[2].back, sides[1].out);
     }
 
-    [[nodiscard]] std::array<Index, 3> border_twins(const Buffer<Index>& faces, Index h) const {
-        if (even_) return {kNone, 3 * faces[coarse_.twin[next3(h)]], 3 * faces[prev3(h)] + 2};
-        return {kNone, 3 * faces[next3(h)] + 2, from_origin(faces, h)};
+    /// The fine half-edges on one side of a face: out of the end of the coarse one to the point,
+    /// and from there back to its origin.
+    struct Out {
+        Index out;
+        Index back;
+    };
+    Out side(Index h, Index next, Index point) {
+        if (pairs_.size() > 0 && coarse_.on_boundary(h)) {
+            const Index to = 3 * first_face(h);
+            set(to, {coarse_.origin[h], coarse_.origin[next], point});
+            end(to);
+            return {to + 1, to + 2};
+        }
+        const Pair pair = pair_at(h, next);
+        corners_[3 * pair.own] = coarse_.origin[h];
+        corners_[3 * pair.own + 2] = point;
+        corners_[3 * pair.across + 1] = point;
+        if constexpr (WithTwins) twins_[3 * pair.own + 1] = 3 * pair.across + 1;
+        return {3 * pair.across, 3 * pair.own + 2};
+    }
+
+    /// The face behind boundary half-edge h, with the points p and p + 1 on it, and the apex c:
+    /// (p, p + 1, c) is the last of the fine faces so far.
+    void trisect(Index h, Index p) {
+        const Index next = next3(h);
+        const Index prev = prev3(h);
+        const Out far = side(next, prev, p + 1);
+        const Out near = side(prev, h, p);
+        const Index middle = 3 * middle_++;
+        set(middle, {p, p + 1, coarse_.origin[prev]});
+        link(far.out, middle + 1);
+        link(near.back, middle + 2);
+        for (const Index border : {far.back, near.out, middle}) end(border);
     }
 
     const Topology& coarse_;
     bool even_;
-    bool trisects_;
-    FacePoints points_;
-    Buffer<std::uint8_t> sides_;  ///< [face], if any is trisected: which side
+    Index* corners_;
+    Index* twins_;
+    Buffer<Index> pairs_;  ///< [edge], of meshes with boundary: the first of its fine faces
+    Index middle_ = 0;     ///< even steps: the next face in the middle of a boundary edge
 };
+
+void split_sqrt3(const Topology& coarse, Split split, Topology& fine) {
+    Sqrt3<true>(coarse, split, fine.origin.data(), fine.twin.data()).split();
+    EdgeNumbers(fine).continue_to(fine.half_edge_count());
+}
 
 Status check_triangles(const Topology& mesh, Split split) {
     if (mesh.sides != 3) {
@@ -301,7 +312,7 @@ Status refine(const Topology& coarse, Split split, Topology& fine) {
     if (split == Split::Loop)
         split_triangles(coarse, fine);
     else if (split != Split::CatmullClark)
-        Sqrt3(coarse, split).split(fine);
+        split_sqrt3(coarse, split, fine);
     else if (coarse.sides == 4)
         split_polygons(coarse, fine, [](Index h) { return h % 4 == 3 ? h - 3 : h + 1; });
     else
@@ -327,12 +338,7 @@ void split_faces(const Topology& coarse, Split split, std::span<Index> corners) 
         });
         return;
     }
-    const Sqrt3 sqrt3(coarse, split);
-    const auto set = [&](const std::array<Index, 3>& face) {
-        to = std::copy_n(face.data(), 3, to);
-    };
-    sqrt3.each_face([&](Index h) { set(sqrt3.inner_corners(h)); },
-                    [&](Index h) { set(sqrt3.border_corners(h)); });
+    Sqrt3<false>(coarse, split, to, nullptr).split();
 }
 
 FacePoints face_points(const Topology& coarse, Split split) {

@@ -49,29 +49,41 @@ class SmoothRules {
         return made(spec_.scheme == MeshScheme::CatmullClark ? 4 : 6);
     }
 
-    /// Those of the first vertices of a mesh, after the mesh and the rules of the step before.
-    void set_first(const Topology& mesh, const Topology* before,
-                   const std::vector<RingRule>& rules_before, std::vector<RingRule>& rules) {
-        // Valences stay as they are but beside the boundaries of sqrt(3) meshes.
-        const bool stay =
-            spec_.scheme != MeshScheme::Sqrt3 || mesh::counts_of(mesh).boundary_edges == 0;
-        if (before && stay) {
-            rules = rules_before;
-            if (before->sides != mesh.sides) add_fresh(*before, rules);
-            return;
-        }
+    /// Those of all vertices.
+    void set(const Topology& mesh, std::vector<RingRule>& rules) {
         const Buffer<Index> valences = mesh::valences(mesh);
         rules.clear();
         for (Index v = 0; v < mesh.vertex_count; ++v) rules.push_back(rule(valences[v]));
     }
 
-  private:
-    /// Those of the vertices that a Catmull-Clark step adds to a mesh of polygons.
-    void add_fresh(const Topology& coarse, std::vector<RingRule>& rules) {
-        rules.resize(rules.size() + coarse.edge_count, regular());
-        for (Index f = 0; f < coarse.face_count; ++f) rules.push_back(rule(coarse.size_of(f)));
+    /// Those of the first vertices of `mesh` from those of `before`, one step earlier.
+    void pass_on(const Topology& before, const std::vector<RingRule>& rules_before,
+                 const Topology& mesh, std::vector<RingRule>& rules) {
+        rules = rules_before;
+        if (before.sides == mesh.sides) return;
+        rules.resize(before.vertex_count + before.edge_count, regular());
+        for (Index f = 0; f < before.face_count; ++f) rules.push_back(rule(before.size_of(f)));
     }
 
+    /// The point that an odd sqrt(3) step puts into a face with m boundary edges has 6 - m edges,
+    /// until the even step that follows. What its rule is more than the regular one becomes a mask.
+    void add_apexes(const Topology& mesh, const SharpFeatures& features, ForwardRules& rules) {
+        if (rules.others.ring == 0) return;  // alpha = 0: nothing moves
+        std::vector<Index> apexes;
+        for (const auto& edge : features.edges)
+            apexes.push_back(mesh.origin[mesh.prev(edge.half_edge)]);
+        std::sort(apexes.begin(), apexes.end());
+        for (auto apex = apexes.begin(); apex != apexes.end();) {
+            const auto end = std::upper_bound(apex, apexes.end(), *apex);
+            const RingRule& own = rule(6 - static_cast<Index>(end - apex));
+            const double smooth = own.ring / rules.others.ring;
+            rules.terms.push_back({*apex, own.self - smooth * rules.others.self});
+            rules.masks.push_back({*apex, rules.terms.size(), smooth});
+            apex = end;
+        }
+    }
+
+  private:
     [[nodiscard]] RingRule made(Index n) const {
         if (spec_.scheme == MeshScheme::Loop) return rules::loop_ring(n);
         if (spec_.scheme == MeshScheme::CatmullClark) return rules::catmull_clark_ring(n);
@@ -113,8 +125,13 @@ Status Subdivider::prepare(const Topology& base, const Sharpness& sharpness, con
         if (before && spec.scheme == MeshScheme::Sqrt3) add_boundary(coarse, left_);
         ForwardRules& rules = rules_[step];
         rules.others = smooth.regular();
-        smooth.set_first(coarse, before, rules_[step > 0 ? step - 1 : 0].first, rules.first);
+        // Even steps change the valences beside boundaries.
+        if (!before || (splits_.front() == Split::Sqrt3Even && step == 1))
+            smooth.set(coarse, rules.first);
+        else
+            smooth.pass_on(*before, rules_[step - 1].first, coarse, rules.first);
         set_masks(coarse, left_, splits_.back(), rules);
+        if (before && splits_.back() == Split::Sqrt3Even) smooth.add_apexes(coarse, left_, rules);
         left_ = refined(left_, coarse, splits_.back());
     }
     return {};
