@@ -102,6 +102,55 @@ void split_polygons(const Topology& coarse, Topology& fine, Next next_of) {
     });
 }
 
+/// The numbers of the fine faces of sqrt(3) steps.
+class Sqrt3Faces {
+  public:
+    /// Those at a half-edge inside and at its twin: they follow each other, first the one that
+    /// begins at the vertex with the smaller number.
+    struct Pair {
+        Index own;
+        Index across;
+    };
+
+    Sqrt3Faces(const Topology& coarse, bool even) : coarse_(coarse) {
+        if (counts_of(coarse).boundary_edges == 0) return;
+        first_ = Buffer<Index>(coarse.edge_count);
+        Index edge = 0;
+        Index count = 0;
+        const auto continue_to = [&](Index end) {
+            for (; edge < end; ++edge, count += 2) first_[edge] = count;
+        };
+        for (Index h = 0; h < coarse.half_edge_count(); ++h) {
+            if (!coarse.on_boundary(h)) continue;
+            continue_to(coarse.edge[h] + 1);
+            count -= even ? 2 : 1;  // its edge has no two
+        }
+        continue_to(coarse.edge_count);
+        first_middle_ = count;
+    }
+
+    [[nodiscard]] bool on_boundary(Index h) const {
+        return first_.size() > 0 && coarse_.on_boundary(h);
+    }
+    /// The first of those of an edge.
+    [[nodiscard]] Index first(Index h) const {
+        return first_.size() > 0 ? first_[coarse_.edge[h]] : 2 * coarse_.edge[h];
+    }
+    [[nodiscard]] Pair pair(Index h, Index next) const {
+        const Index begin = first(h);
+        const Index descends = coarse_.origin[h] > coarse_.origin[next];
+        return {begin + descends, begin + 1 - descends};
+    }
+    /// Even steps: the first of those in the middle of boundary edges, which are in the order of
+    /// half-edges.
+    [[nodiscard]] Index first_middle() const { return first_middle_; }
+
+  private:
+    const Topology& coarse_;
+    Buffer<Index> first_;  ///< [edge], of meshes with boundary
+    Index first_middle_ = 0;
+};
+
 /// sqrt(3) steps. The fine face at half-edge h has the corners origin(h), the point beyond h, and
 /// that on its own side. Each coarse face writes what it knows of the fine faces at its half-edges
 /// and across them, so that it needs to look at no other face. WithTwins: or corners alone.
@@ -109,14 +158,18 @@ template <bool WithTwins>
 class Sqrt3 {
   public:
     Sqrt3(const Topology& coarse, Split split, Index* corners, Index* twins)
-        : coarse_(coarse), even_(split == Split::Sqrt3Even), corners_(corners), twins_(twins) {
-        if (counts_of(coarse).boundary_edges > 0) number_faces();
-    }
+        : coarse_(coarse),
+          even_(split == Split::Sqrt3Even),
+          faces_(coarse, even_),
+          middle_(faces_.first_middle()),
+          corners_(corners),
+          twins_(twins) {}
 
     void split() {
+        const bool trisects = even_ && counts_of(coarse_).boundary_edges > 0;
         Index point = coarse_.vertex_count;
         for (Index f = 0; f < coarse_.face_count; ++f) {
-            const Index side = pairs_.size() > 0 && even_ ? boundary_side(coarse_, f) : kNone;
+            const Index side = trisects ? boundary_side(coarse_, f) : kNone;
             if (side == kNone) {
                 split_face(3 * f, point++);
             } else {
@@ -127,31 +180,12 @@ class Sqrt3 {
     }
 
   private:
-    /// The fine faces at a half-edge and across it, which come together; the one that begins at the
-    /// vertex with the smaller number is first.
-    struct Pair {
-        Index own;
-        Index across;
+    /// The fine half-edges between the point of a face and one of its sides: to the point from the
+    /// end of the side, and from it to the origin.
+    struct Spokes {
+        Index to;
+        Index from;
     };
-    [[nodiscard]] Index first_face(Index h) const {
-        return pairs_.size() > 0 ? pairs_[coarse_.edge[h]] : 2 * coarse_.edge[h];
-    }
-    [[nodiscard]] Pair pair_at(Index h, Index next) const {
-        const Index first = first_face(h);
-        const Index descends = coarse_.origin[h] > coarse_.origin[next];
-        return {first + descends, first + 1 - descends};
-    }
-
-    /// Meshes with boundary: its edges have one face in odd steps, none here in even ones.
-    void number_faces() {
-        pairs_ = Buffer<Index>(coarse_.edge_count);
-        Index count = 0;
-        each_edge(coarse_, [&](Index h, Index, Index) {
-            pairs_[coarse_.edge[h]] = count;
-            count += coarse_.on_boundary(h) ? (even_ ? 0 : 1) : 2;
-        });
-        middle_ = count;
-    }
 
     void set(Index to, const std::array<Index, 3>& corners) {
         std::copy_n(corners.data(), 3, corners_ + to);
@@ -166,56 +200,52 @@ class Sqrt3 {
         if constexpr (WithTwins) twins_[h] = kNone;
     }
 
-    void split_face(Index h, Index point) {
-        // Fine half-edges out of each corner to the point, and back from it.
-        const std::array<Out, 3> sides{side(h, h + 1, point), side(h + 1, h + 2, point),
-                                       side(h + 2, h, point)};
-        link(sides[0].back, sides[2].out);
-        link(sides[1].back, sides[0].out);
-        link(sides[2].back, sides[1].out);
-    }
-
-    /// The fine half-edges on one side of a face: out of the end of the coarse one to the point,
-    /// and from there back to its origin.
-    struct Out {
-        Index out;
-        Index back;
-    };
-    Out side(Index h, Index next, Index point) {
-        if (pairs_.size() > 0 && coarse_.on_boundary(h)) {
-            const Index to = 3 * first_face(h);
-            set(to, {coarse_.origin[h], coarse_.origin[next], point});
-            end(to);
-            return {to + 1, to + 2};
+    Spokes set_side(Index h, Index next, Index point) {
+        if (faces_.on_boundary(h)) {
+            const Index face = 3 * faces_.first(h);
+            set(face, {coarse_.origin[h], coarse_.origin[next], point});
+            end(face);
+            return {face + 1, face + 2};
         }
-        const Pair pair = pair_at(h, next);
-        corners_[3 * pair.own] = coarse_.origin[h];
-        corners_[3 * pair.own + 2] = point;
-        corners_[3 * pair.across + 1] = point;
-        if constexpr (WithTwins) twins_[3 * pair.own + 1] = 3 * pair.across + 1;
-        return {3 * pair.across, 3 * pair.own + 2};
+        const Sqrt3Faces::Pair pair = faces_.pair(h, next);
+        const Index own = 3 * pair.own;
+        const Index across = 3 * pair.across;
+        corners_[own] = coarse_.origin[h];
+        corners_[own + 2] = point;
+        corners_[across + 1] = point;
+        if constexpr (WithTwins) twins_[own + 1] = across + 1;
+        return {across, own + 2};
     }
 
-    /// The face behind boundary half-edge h, with the points p and p + 1 on it, and the apex c:
-    /// (p, p + 1, c) is the last of the fine faces so far.
+    void split_face(Index h, Index point) {
+        const Spokes first = set_side(h, h + 1, point);
+        const Spokes second = set_side(h + 1, h + 2, point);
+        const Spokes third = set_side(h + 2, h, point);
+        link(first.from, third.to);
+        link(second.from, first.to);
+        link(third.from, second.to);
+    }
+
+    /// The face behind boundary half-edge h, with the points p and p + 1 on it and the apex c: in
+    /// the middle is (p, p + 1, c).
     void trisect(Index h, Index p) {
         const Index next = next3(h);
         const Index prev = prev3(h);
-        const Out far = side(next, prev, p + 1);
-        const Out near = side(prev, h, p);
+        const Spokes far = set_side(next, prev, p + 1);
+        const Spokes near = set_side(prev, h, p);
         const Index middle = 3 * middle_++;
         set(middle, {p, p + 1, coarse_.origin[prev]});
-        link(far.out, middle + 1);
-        link(near.back, middle + 2);
-        for (const Index border : {far.back, near.out, middle}) end(border);
+        link(far.to, middle + 1);
+        link(near.from, middle + 2);
+        for (const Index border : {far.from, near.to, middle}) end(border);
     }
 
     const Topology& coarse_;
     bool even_;
+    Sqrt3Faces faces_;
+    Index middle_;  ///< the next face in the middle of a boundary edge
     Index* corners_;
     Index* twins_;
-    Buffer<Index> pairs_;  ///< [edge], of meshes with boundary: the first of its fine faces
-    Index middle_ = 0;     ///< even steps: the next face in the middle of a boundary edge
 };
 
 void split_sqrt3(const Topology& coarse, Split split, Topology& fine) {
@@ -357,28 +387,15 @@ FacePoints face_points(const Topology& coarse, Split split) {
 
 Buffer<Index> sqrt3_faces(const Topology& coarse, Split split) {
     const bool even = split == Split::Sqrt3Even;
+    const Sqrt3Faces numbers(coarse, even);
+    Index middle = numbers.first_middle();
     Buffer<Index> faces(coarse.half_edge_count());
-    if (counts_of(coarse).boundary_edges == 0) {
-        each_half_edge(coarse, [&](Index, Index h, Index next, Index) {
-            faces[h] = 2 * coarse.edge[h] + (coarse.origin[h] > coarse.origin[next]);
-        });
-        return faces;
-    }
-    Index count = 0;
-    for (Index h = 0; h < coarse.half_edge_count(); ++h) {
-        if (!coarse.is_first(h)) continue;
-        const Index twin = coarse.twin[h];
-        if (twin == kNone) {
-            if (!even) faces[h] = count++;
-            continue;
-        }
-        const bool ascends = coarse.origin[h] < coarse.origin[next3(h)];
-        faces[h] = ascends ? count : count + 1;
-        faces[twin] = ascends ? count + 1 : count;
-        count += 2;
-    }
-    for (Index h = 0; even && h < coarse.half_edge_count(); ++h)
-        if (coarse.on_boundary(h)) faces[h] = count++;
+    each_half_edge(coarse, [&](Index, Index h, Index next, Index) {
+        if (numbers.on_boundary(h))
+            faces[h] = even ? middle++ : numbers.first(h);
+        else
+            faces[h] = numbers.pair(h, next).own;
+    });
     return faces;
 }
 

@@ -51,7 +51,8 @@ struct ForwardRules {
 /// Subdivides a base mesh some steps: `prepare` computes the meshes between the base and the finest
 /// one, and the rules; then `faces` and `points` are read from them as often as needed, as for the
 /// frames of an animation. All memory is kept for later calls, also for those with other meshes.
-/// Results are the same bytes on every machine. One call at a time.
+/// Results are the same bytes on every machine. One call at a time; all need a `prepare` that
+/// succeeded.
 class Subdivider {
   public:
     /// The base must stay as it is until the next `prepare`. Errors: InvalidArgument for steps < 1,
