@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <type_traits>
+#include <utility>
 
 namespace relief {
 
@@ -26,12 +27,23 @@ class Buffer {
         : data_(size ? static_cast<T*>(detail::allocate_aligned(size * sizeof(T))) : nullptr),
           size_(size),
           capacity_(size) {}
+    /// What is moved from is empty.
+    Buffer(Buffer&& other) noexcept
+        : data_(std::move(other.data_)),
+          size_(std::exchange(other.size_, 0)),
+          capacity_(std::exchange(other.capacity_, 0)) {}
+    Buffer& operator=(Buffer&& other) noexcept {
+        data_ = std::move(other.data_);
+        size_ = std::exchange(other.size_, 0);
+        capacity_ = std::exchange(other.capacity_, 0);
+        return *this;
+    }
 
     /// Becomes an array of another size; what was in it is lost. Allocates only if it must grow
     /// beyond all sizes that it had.
     void renew(std::size_t size) {
         if (size > capacity_) {
-            data_.reset();
+            *this = Buffer();  // before there is another block
             *this = Buffer(size);
         }
         size_ = size;
