@@ -198,6 +198,11 @@ Result<Outcome> encode_mesh(const MeshEncodeVerb& verb, const SchemeOptions& sch
     if (!scheme.scheme.empty()) {
         RELIEF_TRY(options.scheme, mesh_scheme(scheme.scheme));
     }
+    if (verb.alpha && options.scheme != MeshScheme::Sqrt3)
+        return Error{ErrorCode::InvalidArgument, "--alpha is for --scheme sqrt3", ""};
+    options.alpha = verb.alpha;
+    for (const multires::LiftKind kind : multires::kLiftKinds)
+        if (verb.lift == multires::lift_name(kind)) options.lift = kind;
     RELIEF_TRY(PolygonMesh mesh, read_polygons(verb.in));
     std::string repairs;
     if (verb.repair) {

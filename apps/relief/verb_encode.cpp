@@ -19,6 +19,8 @@ struct Encode {
     std::string profile = "dense";
     bool reorder = false;
     bool repair = false;
+    std::optional<double> alpha;
+    std::string lift;
 };
 
 Result<codec::Goal> goal_of(const Encode& options) {
@@ -69,6 +71,11 @@ Json json_of(const codec::EncodeReport& report, const std::string& profile, doub
     return json;
 }
 
+Status check_no_lift(const Encode& options) {
+    if (!options.alpha && options.lift.empty()) return {};
+    return Error{ErrorCode::InvalidArgument, "--alpha and --lift are for subdivision surfaces", ""};
+}
+
 Result<Outcome> run(const Encode& options, const Globals& globals) {
     const Stopwatch watch;
     codec::EncodeOptions encode;
@@ -76,11 +83,13 @@ Result<Outcome> run(const Encode& options, const Globals& globals) {
     if (is_mesh(options.in)) {
         RELIEF_TRY(const bool subdivision, is_subdivision(options.in, options.scheme));
         if (subdivision)
-            return encode_mesh(
-                {options.in, options.out, encode.goal, options.reorder, options.repair},
-                options.scheme, globals);
+            return encode_mesh({options.in, options.out, encode.goal, options.reorder,
+                                options.repair, options.alpha, options.lift},
+                               options.scheme, globals);
+        RELIEF_CHECK(check_no_lift(options));
         return encode_quads(options.in, options.out, options.scheme, encode.goal);
     }
+    RELIEF_CHECK(check_no_lift(options));
     RELIEF_TRY(encode.spec, options.scheme.spec());
     encode.effort = static_cast<codec::Effort>(options.effort);
     encode.progress = progress_bar(globals, "encoding");
@@ -136,6 +145,17 @@ void add_encode(Program& program) {
         ->check(CLI::IsMember({"fast", "dense"}));
     verb->add_flag("--reorder", options->reorder,
                    "meshes: vertices and faces in the order of subdivision, which takes less");
+    std::vector<std::string> lifts;
+    for (const multires::LiftKind kind : multires::kLiftKinds)
+        lifts.emplace_back(multires::lift_name(kind));
+    verb->add_option("--lift", options->lift,
+                     "meshes: how coarse meshes are brought near to the fine ones; default: "
+                     "chebyshev")
+        ->check(CLI::IsMember(lifts));
+    verb->add_option(
+        "--alpha", options->alpha,
+        "sqrt3: weight of the neighbours in the new place of a vertex, from 0 to below "
+        "2/3; default: by valence");
     verb->add_flag("--repair", options->repair,
                    "meshes: first mend what is no oriented manifold: see 'relief info'");
 }

@@ -1,7 +1,6 @@
 #include "codec/mesh_header.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -22,18 +21,11 @@ constexpr int kMostLevels = 30;
 constexpr std::uint64_t kMostElements = (std::uint64_t{1} << 31) - 1;
 constexpr double kLargest = 1e300;
 
-constexpr std::array<std::pair<LiftKind, const char*>, 4> kLifts = {
-    {{LiftKind::None, "none"},
-     {LiftKind::Ring, "ring"},
-     {LiftKind::Chebyshev, "chebyshev"},
-     {LiftKind::LeastSquares, "least-squares"}}};
-
 Json scheme_json(const MeshHeader& header) {
     Json json{{"name", multires::mesh_scheme_name(header.spec.scheme)}, {"levels", header.levels}};
     if (header.spec.first_even) json["first_even"] = true;
     if (header.spec.alpha) json["alpha"] = json_number(*header.spec.alpha);
-    if (header.lift != LiftKind::Chebyshev)
-        json["lift"] = kLifts[static_cast<std::size_t>(header.lift)].second;
+    if (header.lift != LiftKind::Chebyshev) json["lift"] = multires::lift_name(header.lift);
     if (header.boundary_corners) json["boundary_corners"] = true;
     return json;
 }
@@ -54,14 +46,15 @@ Status read_scheme(const Json& json, MeshHeader& header) {
         header.spec.scheme = scheme;
         known = true;
     }
-    const auto found = std::find_if(kLifts.begin(), kLifts.end(),
-                                    [&](const auto& entry) { return lift == entry.second; });
-    if (!known || found == kLifts.end())
+    const auto found =
+        std::find_if(multires::kLiftKinds.begin(), multires::kLiftKinds.end(),
+                     [&](LiftKind kind) { return lift == multires::lift_name(kind); });
+    if (!known || found == multires::kLiftKinds.end())
         return Error{
             ErrorCode::Unsupported,
             "the scheme '" + name + "' with lift '" + lift + "' is of a newer version of relief",
             "header"};
-    header.lift = found->first;
+    header.lift = *found;
     if (header.levels < 0 || header.levels > kMostLevels)
         return bad_header("the number of levels is out of range");
     if (header.spec.alpha && !(*header.spec.alpha >= 0 && *header.spec.alpha < 2.0 / 3))

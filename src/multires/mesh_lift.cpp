@@ -142,6 +142,12 @@ struct MeshLift::State {
     std::vector<double> star;   ///< ring: [new vertex]
 };
 
+const char* lift_name(LiftKind kind) {
+    constexpr std::array<const char*, kLiftKinds.size()> names{"none", "ring", "chebyshev",
+                                                               "least-squares"};
+    return names[static_cast<std::size_t>(kind)];
+}
+
 LiftOptions default_lift(MeshScheme scheme, int level) {
     const int sweeps = scheme == MeshScheme::Sqrt3 ? 4 : scheme == MeshScheme::Loop ? 6 : 12;
     const double lowest = scheme == MeshScheme::CatmullClark ? 1.0 / 16 : 1.0 / 8;

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "multires/conjugate_gradient.h"
 #include "multires/mesh_points.h"
+#include "multires/stiff_system.h"
 #include "relief/mesh/walk.h"
 
 namespace relief::multires {
@@ -273,14 +273,7 @@ void MeshStep<T>::solve_stiff(ConstPoints fine, ConstPoints gathered, Points c) 
         const Index other = place[mesh_.origin[next]];
         if (k != kNone && other == kNone) known[k] -= gathered[mesh_.origin[next]];
     });
-    const auto product = [&](const std::vector<Vec3<T>>& x, std::vector<Vec3<T>>& y) {
-        for (std::size_t k = 0; k < x.size(); ++k) {
-            y[k] = T{3} * x[k];
-            for (const Index w : stiff.neighbours[k])
-                if (w != kNone) y[k] += x[w];
-        }
-    };
-    std::vector<Vec3<T>> solution = conjugate_gradient<T>(known, product);
+    std::vector<Vec3<T>> solution = solve_stiff_system<T>(stiff, known);
     for (const auto& component : stiff.alternating) {
         Vec3<T> mean;
         for (std::size_t k = 0; k < component.places.size(); ++k)

@@ -177,6 +177,24 @@ class RoundTrips(Meshes):
 
 
 class Files(Meshes):
+    def test_lifts_and_alpha(self):
+        source = self.subdivided(OCTAHEDRON, "sqrt3", 4, noise=0.01)
+        sizes = {}
+        for options in ([], ["--lift", "none"], ["--lift", "ring"], ["--lift", "chebyshev"],
+                        ["--lift", "least-squares"], ["--scheme", "sqrt3", "--alpha", 0.125]):
+            file, report = self.encoded(source, "--max-error", 0.005, *options)
+            back = self.path("back.obj")
+            self.json("decode", file, back)
+            self.assertLessEqual(self.json("compare", source, back)["max_error"], 0.005)
+            sizes[" ".join(map(str, options))] = report["bytes"]
+        self.assertEqual(sizes[""], sizes["--lift chebyshev"])
+        self.assertLess(sizes[""], sizes["--lift none"])
+        self.assertLess(sizes[""], 1.05 * sizes["--lift least-squares"])
+        out = self.path("x.relief")
+        self.refuse(2, "encode", source, out, "--lift", "most", says="--lift")
+        self.refuse(2, "encode", source, out, "--alpha", 0.1, says="--scheme sqrt3")
+        self.refuse(2, "encode", source, out, "--scheme", "sqrt3", "--alpha", 0.7, says="invalid_parameter")
+
     def test_glb_of_a_level(self):
         file, _ = self.encoded(self.subdivided(CUBE, "catmull-clark", 3), "--max-error", 0.001)
         out = self.path("cube.glb")
