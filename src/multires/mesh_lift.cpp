@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "multires/conjugate_gradient.h"
 #include "multires/mesh_curves.h"
+#include "multires/mesh_normal.h"
 #include "multires/mesh_points.h"
 
 namespace relief::multires {
@@ -50,6 +52,8 @@ struct MeshLift::State {
     void prepare() {
         if (options.kind == LiftKind::Ring) prepare_ring();
         if (options.kind == LiftKind::Chebyshev) prepare_sums();
+        if (options.kind == LiftKind::Chebyshev || options.kind == LiftKind::LeastSquares)
+            normal.emplace(step);
     }
 
     [[nodiscard]] bool is_inner(Index v) const { return step.rules().kinds[v] <= VertexKind::Dart; }
@@ -91,45 +95,10 @@ struct MeshLift::State {
             if (is_inner(v)) out[v] = scale[v] * sums[v];
     }
 
-    /// y = P^T P x over inner vertices.
-    void normal(const Points& x, Points& y, Points& old, Points& fresh) const {
-        step.apply(x.data(), old.data(), fresh.data());
-        step.adjoint(old.data(), fresh.data(), y.data());
-        keep_inner(y.data());
-    }
-
-    /// Section 7.2: towards P^T P x = target.
-    void chebyshev(const Points& target, Vec3<double>* out) const {
-        const double centre = (1 + options.lowest) / 2;
-        const double radius = (1 - options.lowest) / 2;
-        const double sigma = centre / radius;
-        double rho = 1 / sigma;
-        const std::size_t count = target.size();
-        Points x(count);
-        Points move(count);
-        Points image(count);
-        Points old(count);
-        Points fresh(step.new_count());
-        for (std::size_t v = 0; v < count; ++v) move[v] = scale[v] / centre * target[v];
-        for (int sweep = 1;; ++sweep) {
-            for (std::size_t v = 0; v < count; ++v) x[v] += move[v];
-            if (sweep == options.sweeps) break;
-            normal(x, image, old, fresh);
-            const double next = 1 / (2 * sigma - rho);
-            const double step_size = 2 * next / radius;
-            for (std::size_t v = 0; v < count; ++v)
-                move[v] = next * rho * move[v] + step_size * scale[v] * (target[v] - image[v]);
-            rho = next;
-        }
-        for (Index v = 0; v < count; ++v)
-            if (is_inner(v)) out[v] = x[v];
-    }
-
     void least_squares(const Points& target, Vec3<double>* out) const {
-        Points old(step.coarse_count());
-        Points fresh(step.new_count());
         const Points x = conjugate_gradient<double>(
-            target, [&](const Points& p, Points& y) { normal(p, y, old, fresh); }, kLeastSquares);
+            target, [&](const Points& p, Points& y) { normal->apply(p.data(), y.data()); },
+            kLeastSquares);
         for (Index v = 0; v < x.size(); ++v)
             if (is_inner(v)) out[v] = x[v];
     }
@@ -137,9 +106,10 @@ struct MeshLift::State {
     const MeshStep<double>& step;
     LiftOptions options;
     MeshCurves curves;
-    std::vector<double> scale;  ///< [vertex]
-    std::vector<double> self;   ///< ring: of a vertex in its own fine position
-    std::vector<double> star;   ///< ring: [new vertex]
+    std::optional<MeshNormal> normal;  ///< Chebyshev, least squares
+    std::vector<double> scale;         ///< [vertex]
+    std::vector<double> self;          ///< ring: of a vertex in its own fine position
+    std::vector<double> star;          ///< ring: [new vertex]
 };
 
 LiftOptions default_lift(MeshScheme scheme, int level) {
@@ -189,7 +159,8 @@ void MeshLift::apply(const Vec3<double>* details, const Vec3<double>* residuals,
     Points target(old.size());
     step.adjoint(old.data(), fresh.data(), target.data());
     state_->keep_inner(target.data());
-    if (state_->options.kind == LiftKind::Chebyshev) return state_->chebyshev(target, out);
+    if (state_->options.kind == LiftKind::Chebyshev)
+        return state_->normal->sweep(state_->options, state_->scale.data(), target.data(), out);
     state_->least_squares(target, out);
 }
 

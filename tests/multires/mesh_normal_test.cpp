@@ -1,0 +1,60 @@
+#include "multires/mesh_normal.h"
+
+#include <gtest/gtest.h>
+
+#include "multires/mesh_support.h"
+
+namespace relief::multires {
+namespace {
+
+using mesh::Index;
+using test::all_levels;
+using test::distance;
+using test::Level;
+using test::noisy;
+using test::Points;
+
+void keep_inner(const Level& level, Points& c) {
+    for (std::size_t v = 0; v < c.size(); ++v)
+        if (level.rules.kinds[v] > VertexKind::Dart) c[v] = {};
+}
+
+/// P^T P through the fine mesh.
+Points plain(const Level& level, const Points& x) {
+    Points fine = level.subdivided(x);
+    Points y(x.size());
+    level.step().adjoint(fine.data(), fine.data() + x.size(), y.data());
+    keep_inner(level, y);
+    return y;
+}
+
+void expect_plain(const Level& level, unsigned seed, const std::string& name) {
+    Points x = noisy(Points(level.coarse.vertex_count), seed, 1);
+    keep_inner(level, x);
+    Points y(x.size());
+    MeshNormal(level.step()).apply(x.data(), y.data());
+    // Rows add up to at most twice the valence, over which roundings spread.
+    EXPECT_LT(distance(y, plain(level, x)), 1e-13) << name;
+}
+
+TEST(MeshNormal, AsThroughTheFineMesh) {
+    for (const auto& [name, level] : all_levels()) expect_plain(level, 3, name);
+}
+
+/// Creases that end inside, with both ends of an edge or of two, beside each other.
+TEST(MeshNormal, Creases) {
+    for (unsigned seed = 1; seed <= 40; ++seed)
+        for (const mesh::Split split : {mesh::Split::Loop, mesh::Split::CatmullClark}) {
+            const bool quads = split == mesh::Split::CatmullClark && seed % 2 == 0;
+            const test::Shape shape =
+                quads ? test::double_torus() : test::flipped(test::grid(5, 4, true), 25, seed);
+            mesh::Topology mesh = shape.topology();
+            MeshTags tags = test::some_tags(mesh, seed);
+            std::mt19937 random(seed);
+            for (auto& sharp : tags.sharp) sharp = sharp && random() % 3 != 0;
+            expect_plain(Level(std::move(mesh), std::move(tags), split), seed, "creases");
+        }
+}
+
+}  // namespace
+}  // namespace relief::multires
