@@ -52,22 +52,19 @@ struct MeshLift::State {
     void prepare() {
         if (options.kind == LiftKind::Ring) prepare_ring();
         if (options.kind == LiftKind::Chebyshev) prepare_sums();
-        if (options.kind == LiftKind::Chebyshev || options.kind == LiftKind::LeastSquares)
-            normal.emplace(step);
+        if (options.kind == LiftKind::LeastSquares) normal.emplace(step);
     }
 
     [[nodiscard]] bool is_inner(Index v) const { return step.rules().kinds[v] <= VertexKind::Dart; }
-    void keep_inner(Vec3<double>* c) const {
-        for (Index v = 0; v < step.coarse_count(); ++v)
-            if (!is_inner(v)) c[v] = {};
-    }
 
     /// Column sums of P over inner vertices.
     void prepare_sums() {
+        normal.emplace(step);
         Points ones(step.coarse_count() + step.new_count(), {1, 0, 0});
         Points sums(step.coarse_count());
         step.adjoint(ones.data(), ones.data() + step.coarse_count(), sums.data());
-        for (const auto& sum : sums) scale.push_back(1 / sum.x);
+        for (std::size_t k = 0; k < normal->size(); ++k)
+            scale.push_back(1 / sums[normal->vertices()[k]].x);
     }
 
     /// Squares of the columns of P, cut to the vertex itself and its star; K P of the same.
@@ -95,12 +92,16 @@ struct MeshLift::State {
             if (is_inner(v)) out[v] = scale[v] * sums[v];
     }
 
-    void least_squares(const Points& target, Vec3<double>* out) const {
-        const Points x = conjugate_gradient<double>(
+    /// Over the inner vertices, as `normal` counts them.
+    void solve(const Points& target, Vec3<double>* out) const {
+        const auto put = [&](const auto& x) {
+            for (std::size_t k = 0; k < target.size(); ++k) out[normal->vertices()[k]] = x[k];
+        };
+        if (options.kind == LiftKind::Chebyshev)
+            return put(normal->sweep(options, scale.data(), target.data()));
+        put(conjugate_gradient<double>(
             target, [&](const Points& p, Points& y) { normal->apply(p.data(), y.data()); },
-            kLeastSquares);
-        for (Index v = 0; v < x.size(); ++v)
-            if (is_inner(v)) out[v] = x[v];
+            kLeastSquares));
     }
 
     const MeshStep<double>& step;
@@ -156,12 +157,12 @@ void MeshLift::apply(const Vec3<double>* details, const Vec3<double>* residuals,
         for (std::size_t k = 0; k < fresh.size(); ++k) fresh[k] -= fresh_part[k];
     }
     if (state_->options.kind == LiftKind::Ring) return state_->ring(old, fresh, out);
-    Points target(old.size());
-    step.adjoint(old.data(), fresh.data(), target.data());
-    state_->keep_inner(target.data());
-    if (state_->options.kind == LiftKind::Chebyshev)
-        return state_->normal->sweep(state_->options, state_->scale.data(), target.data(), out);
-    state_->least_squares(target, out);
+    Points sums(old.size());
+    step.adjoint(old.data(), fresh.data(), sums.data());
+    Points target;
+    for (std::size_t k = 0; k < state_->normal->size(); ++k)
+        target.push_back(sums[state_->normal->vertices()[k]]);
+    state_->solve(target, out);
 }
 
 }  // namespace relief::multires

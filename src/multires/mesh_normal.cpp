@@ -1,6 +1,7 @@
 #include "multires/mesh_normal.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "multires/mesh_points.h"
 #include "relief/core/parallel.h"
@@ -10,25 +11,45 @@ namespace relief::multires {
 namespace {
 
 using mesh::Index;
+using mesh::kNone;
 using mesh::Split;
 
 /// Vertices or faces of a block: enough to pay for a thread.
 constexpr std::int64_t kBlock = 1 << 13;
 
 template <class Visit>
-void each_block(Index count, Visit visit) {
-    parallel_for(0, count, kBlock, [&](std::int64_t begin, std::int64_t end) {
-        visit(static_cast<Index>(begin), static_cast<Index>(end));
-    });
+void each_block(std::size_t count, Visit visit) {
+    parallel_for(0, static_cast<std::int64_t>(count), kBlock,
+                 [&](std::int64_t begin, std::int64_t end) {
+                     visit(static_cast<Index>(begin), static_cast<Index>(end));
+                 });
+}
+
+/// The first half-edges of face f and of the next one.
+template <Index Sides>
+std::pair<Index, Index> sides_of(const mesh::Topology& mesh, Index f) {
+    if constexpr (Sides == 0)
+        return {mesh.first_of(f), mesh.first_of(f + 1)};
+    else
+        return {Sides * f, Sides * f + Sides};
+}
+
+template <Index Sides>
+Index face_of(const mesh::Topology& mesh, Index h) {
+    if constexpr (Sides == 0)
+        return mesh.face_of(h);
+    else
+        return h / Sides;
 }
 
 }  // namespace
 
 MeshNormal::MeshNormal(const MeshStep<double>& step) : mesh_(step.coarse()), rules_(step.rules()) {
-    list_rings(step);
-    list_rows(step);
+    count_vertices();
+    list_rings();
+    list_rows();
     if (rules_.split == Split::CatmullClark) {
-        mend_darts(step);
+        mend_darts();
         return;
     }
     if (rules_.split == Split::Loop) {
@@ -36,49 +57,66 @@ MeshNormal::MeshNormal(const MeshStep<double>& step) : mesh_(step.coarse()), rul
         constexpr double wing = rules::kLoopEdgeWing;
         near_ = end * end + 4 * end * wing;
         far_ = wing * wing;
-        mend_triangles(step);
-        mend_darts(step);
+        mend_triangles();
+        mend_darts();
         return;
     }
     constexpr double corner = rules::kFacePoint3;
     near_ = 2 * corner * corner;
-    for (const ApexWeight& w : rules_.apexes) terms_.push_back({w.apex, w.apex, -corner * corner});
+    for (const ApexWeight& w : rules_.apexes)
+        terms_.push_back({place_[w.apex], place_[w.apex], -corner * corner});
 }
 
-void MeshNormal::list_rings(const MeshStep<double>& step) {
+void MeshNormal::count_vertices() {
     const Index count = mesh_.vertex_count;
-    const auto is_free = [&](Index v) { return rules_.kinds[v] <= VertexKind::Dart; };
-    first_ = Buffer<Index>(std::size_t{count} + 1);
-    std::fill_n(first_.data(), first_.size(), Index{0});
-    for (Index h = 0; h < mesh_.half_edge_count(); ++h)
-        if (is_free(mesh_.origin[h])) ++first_[mesh_.origin[h] + 1];
-    for (Index v = 0; v < count; ++v) first_[v + 1] += first_[v];
-    ring_ = Buffer<Index>(first_[count]);
-    const bool loop = rules_.split == Split::Loop;
-    if (loop || rules_.split == Split::CatmullClark) across_ = Buffer<Index>(first_[count]);
-    Buffer<Index> end(count);
-    std::copy_n(first_.data(), count, end.data());
-    mesh::each_half_edge(mesh_, [&](Index f, Index h, Index next, Index) {
+    Index inner = 0;
+    for (Index v = 0; v < count; ++v) inner += rules_.kinds[v] <= VertexKind::Dart;
+    vertices_ = Buffer<Index>(inner);
+    place_ = Buffer<Index>(count);
+    for (Index v = 0; v < count; ++v)
+        place_[v] = rules_.kinds[v] <= VertexKind::Dart ? kNone : inner;
+    Index next = 0;
+    for (Index h = 0; h < mesh_.half_edge_count(); ++h) {
         const Index v = mesh_.origin[h];
-        if (!is_free(v)) return;
-        const Index place = end[v]++;
-        ring_[place] = mesh_.origin[next];
+        if (place_[v] != kNone) continue;
+        vertices_[next] = v;
+        place_[v] = next++;
+    }
+}
+
+void MeshNormal::list_rings() {
+    const auto inner = static_cast<Index>(size());
+    first_ = Buffer<Index>(std::size_t{inner} + 1);
+    std::fill_n(first_.data(), first_.size(), Index{0});
+    for (Index h = 0; h < mesh_.half_edge_count(); ++h) ++first_[place_[mesh_.origin[h]]];
+    Index sum = 0;
+    for (Index v = 0; v < inner; ++v) sum += std::exchange(first_[v], sum);
+    first_[inner] = sum;
+    ring_ = Buffer<Index>(sum);
+    const bool loop = rules_.split == Split::Loop;
+    if (loop || rules_.split == Split::CatmullClark) across_ = Buffer<Index>(sum);
+    Buffer<Index> end(inner);
+    std::copy_n(first_.data(), inner, end.data());
+    mesh::each_half_edge(mesh_, [&](Index f, Index h, Index next, Index) {
+        const Index v = place_[mesh_.origin[h]];
+        if (v == inner) return;
+        const Index k = end[v]++;
+        ring_[k] = place_[mesh_.origin[next]];
         if (loop) {
-            // Nothing is across a sharp edge: its ends are zero there, or mended.
-            const bool open = is_sharp(step.rules(), mesh_, next);
-            across_[place] = mesh_.origin[open ? next : mesh_.prev(mesh_.twin[next])];
+            const bool open = is_sharp(rules_, mesh_, next);
+            across_[k] = open ? inner : place_[mesh_.origin[mesh_.prev(mesh_.twin[next])]];
         } else if (across_.size() > 0) {
-            across_[place] = f;
+            across_[k] = f;
         }
     });
 }
 
-void MeshNormal::list_rows(const MeshStep<double>& step) {
-    for (Index v = 0; v < mesh_.vertex_count; ++v) {
+void MeshNormal::list_rows() {
+    for (Index v = 0; v < size(); ++v) {
         const Index n = first_[v + 1] - first_[v];
         if (n >= rows_.size()) rows_.resize(std::size_t{n} + 1);
         Row& row = rows_[n];
-        if (n == 0 || row.own > 0) continue;
+        if (row.own > 0) continue;
         if (rules_.split == Split::Loop) {
             constexpr double end = rules::kLoopEdgeEnd;
             constexpr double wing = rules::kLoopEdgeWing;
@@ -88,50 +126,51 @@ void MeshNormal::list_rows(const MeshStep<double>& step) {
             const double share = 1.0 / (static_cast<double>(n) * n);
             row = {(n - 2.0) / n, share, n * rules::kQuadEdgeEnd * rules::kQuadEdgeEnd};
         } else {
-            // K = 3 alpha / (2 n)
-            const double ring = step.rules().point[v] * 2 / 3;
+            const double ring = rules_.point[vertices_[v]] * 2 / 3;  // K = 3 alpha / (2 n)
             row = {1 - n * ring, ring, n * rules::kFacePoint3 * rules::kFacePoint3};
         }
     }
 }
 
 /// Loop: sharp edges give nothing to the vertices opposite.
-void MeshNormal::mend_triangles(const MeshStep<double>& step) {
+void MeshNormal::mend_triangles() {
     constexpr double wing = rules::kLoopEdgeWing;
     mesh::each_half_edge(mesh_, [&](Index, Index h, Index, Index prev) {
-        const Index v = mesh_.origin[prev];
-        if (!is_inner(v) || !is_sharp(step.rules(), mesh_, h)) return;
-        terms_.push_back({v, v, -wing * wing});
-        // What stands in the list in place of the vertex across.
-        if (is_inner(mesh_.origin[h])) terms_.push_back({v, mesh_.origin[h], -wing * wing});
+        const Index v = place_[mesh_.origin[prev]];
+        if (v < size() && is_sharp(rules_, mesh_, h)) terms_.push_back({v, v, -wing * wing});
     });
 }
 
 /// weight (sum of vertices)^2, as a quadratic form.
 void MeshNormal::add_square(std::initializer_list<Index> vertices, double weight) {
     for (const Index v : vertices)
-        for (const Index w : vertices) terms_.push_back({v, w, weight});
+        for (const Index w : vertices)
+            if (v < size() && w < size()) terms_.push_back({v, w, weight});
 }
 
-void MeshNormal::mend_darts(const MeshStep<double>& step) {
+void MeshNormal::mend_darts() {
     if (rules_.sharp.empty()) return;
     constexpr double sharp = rules::kSharpEdgeEnd * rules::kSharpEdgeEnd;
-    constexpr double cross = rules::kLoopEdgeEnd * rules::kLoopEdgeWing;
+    constexpr double end = rules::kLoopEdgeEnd;
+    constexpr double cross = end * rules::kLoopEdgeWing;
     std::vector<std::array<Index, 2>> beside;  // crease vertices, and darts beside them
     mesh::each_edge(mesh_, [&](Index h, Index next, Index prev) {
-        const Index a = mesh_.origin[h];
-        const Index b = mesh_.origin[next];
-        if ((!is_inner(a) && !is_inner(b)) || !is_sharp(step.rules(), mesh_, h)) return;
-        if (rules_.kinds[a] == VertexKind::Crease) beside.push_back({a, b});
-        if (rules_.kinds[b] == VertexKind::Crease) beside.push_back({b, a});
+        const Index a = place_[mesh_.origin[h]];
+        const Index b = place_[mesh_.origin[next]];
+        if ((a == size() && b == size()) || !is_sharp(rules_, mesh_, h)) return;
+        for (const Index v : {h, next})
+            if (rules_.kinds[mesh_.origin[v]] == VertexKind::Crease)
+                beside.push_back({mesh_.origin[v], v == h ? b : a});
         const Index twin = mesh_.twin[h];
         if (rules_.split == Split::CatmullClark) {
             dart_edges_.push_back({{a, b}, {mesh_.face_of(h), mesh_.face_of(twin)}});
             return;
         }
-        add_square({a, b}, sharp - rules::kLoopEdgeEnd * rules::kLoopEdgeEnd);
+        add_square({a, b}, sharp - end * end);
         for (const Index v : {a, b})
-            for (const Index w : {mesh_.origin[prev], mesh_.origin[mesh_.prev(twin)]}) {
+            for (const Index corner : {prev, mesh_.prev(twin)}) {
+                const Index w = place_[mesh_.origin[corner]];
+                if (v == size() || w == size()) continue;
                 terms_.push_back({v, w, -cross});
                 terms_.push_back({w, v, -cross});
             }
@@ -139,31 +178,28 @@ void MeshNormal::mend_darts(const MeshStep<double>& step) {
     // The rows of crease vertices.
     constexpr double along = rules::kDyadicMask.point * rules::kDyadicMask.point;
     std::sort(beside.begin(), beside.end());
-    for (std::size_t k = 0; k < beside.size(); ++k) {
-        const bool both = k + 1 < beside.size() && beside[k][0] == beside[k + 1][0];
-        if (both)
+    for (std::size_t k = 0; k < beside.size(); ++k)
+        if (k + 1 < beside.size() && beside[k][0] == beside[k + 1][0]) {
             add_square({beside[k][1], beside[k + 1][1]}, along);
-        else
+            ++k;
+        } else {
             add_square({beside[k][1]}, along);
-        if (both) ++k;
-    }
+        }
 }
 
-MeshNormal::Scratch MeshNormal::scratch() const {
-    Scratch scratch;
-    scratch.image = Points(mesh_.vertex_count);
-    scratch.spread = Points(mesh_.vertex_count);
-    if (rules_.split != Split::CatmullClark) return scratch;
-    scratch.faces = Points(mesh_.face_count);
-    scratch.shares = Points(mesh_.face_count);
-    return scratch;
+MeshNormal::Passes::Passes(const MeshNormal& normal)
+    : image(normal.size()), spread(normal.size() + 1) {
+    spread[normal.size()] = {};
+    if (normal.rules_.split != Split::CatmullClark) return;
+    faces = Points(normal.mesh_.face_count);
+    shares = Points(normal.mesh_.face_count);
 }
 
 /// Triangles: all but what comes back from the ring.
-void MeshNormal::to_rings(const Vec3<double>* x, Scratch& scratch) const {
-    each_block(mesh_.vertex_count, [&](Index begin, Index end) {
+void MeshNormal::through_rings(const Vec3<double>* x, Passes& passes) const {
+    each_block(size(), [&](Index begin, Index end) {
         for (Index v = begin; v < end; ++v) {
-            const Row& row = rows_[first_[v + 1] - first_[v]];
+            const Row& row = row_of(v);
             Vec3<double> near;
             for (Index k = first_[v]; k < first_[v + 1]; ++k) near += x[ring_[k]];
             const Vec3<double> g = row.self * x[v] + row.ring * near;
@@ -173,127 +209,134 @@ void MeshNormal::to_rings(const Vec3<double>* x, Scratch& scratch) const {
                 for (Index k = first_[v]; k < first_[v + 1]; ++k) far += x[across_[k]];
                 image += far_ * far;
             }
-            scratch.image[v] = image;
-            scratch.spread[v] = row.ring * g;
+            passes.image[v] = image;
+            passes.spread[v] = row.ring * g;
         }
     });
-    for (const Term& term : terms_) scratch.image[term.row] += term.weight * x[term.column];
+    for (const Term& term : terms_) passes.image[term.row] += term.weight * x[term.column];
 }
 
 /// Catmull-Clark: the points of faces.
-void MeshNormal::to_faces(const Vec3<double>* x, Scratch& scratch) const {
+template <Index Sides>
+void MeshNormal::to_faces(const Vec3<double>* x, Passes& passes) const {
     each_block(mesh_.face_count, [&](Index begin, Index end) {
         for (Index f = begin; f < end; ++f) {
+            const auto [first, last] = sides_of<Sides>(mesh_, f);
             Vec3<double> sum;
-            for (const Index v : mesh_.corners(f)) sum += x[v];
-            scratch.faces[f] = 1.0 / mesh_.size_of(f) * sum;
+            for (Index h = first; h < last; ++h) sum += x[place_[mesh_.origin[h]]];
+            passes.faces[f] = 1.0 / (last - first) * sum;
         }
     });
 }
 
 /// What vertices give to the ring: through old vertices, and through edges.
-void MeshNormal::to_quad_rings(const Vec3<double>* x, Scratch& scratch) const {
+void MeshNormal::through_quad_rings(const Vec3<double>* x, Passes& passes) const {
     constexpr double edge = rules::kQuadEdgeEnd * rules::kQuadEdgeEnd;
-    each_block(mesh_.vertex_count, [&](Index begin, Index end) {
+    each_block(size(), [&](Index begin, Index end) {
         for (Index v = begin; v < end; ++v) {
-            const Row& row = rows_[first_[v + 1] - first_[v]];
+            const Row& row = row_of(v);
             Vec3<double> sum;
             for (Index k = first_[v]; k < first_[v + 1]; ++k)
-                sum += x[ring_[k]] + scratch.faces[across_[k]];
+                sum += x[ring_[k]] + passes.faces[across_[k]];
             const Vec3<double> g = row.self * x[v] + row.ring * sum;
-            scratch.image[v] = row.self * g + row.own * x[v];
-            scratch.spread[v] = row.ring * g + edge * x[v];
+            passes.image[v] = row.self * g + row.own * x[v];
+            passes.spread[v] = row.ring * g + edge * x[v];
         }
     });
-    for (const Term& term : terms_) scratch.image[term.row] += term.weight * x[term.column];
+    for (const Term& term : terms_) passes.image[term.row] += term.weight * x[term.column];
 }
 
 /// What faces give to their corners: as a part of old vertices, of edges, and by their own points.
-void MeshNormal::from_faces(const Vec3<double>* x, Scratch& scratch) const {
+template <Index Sides>
+void MeshNormal::from_faces(const Vec3<double>* x, Passes& passes) const {
     constexpr double edge = rules::kQuadEdgeEnd * rules::kQuadEdgeEnd;
     each_block(mesh_.face_count, [&](Index begin, Index end) {
         for (Index f = begin; f < end; ++f) {
-            const Index size = mesh_.size_of(f);
-            Vec3<double> corners;
+            const auto [first, last] = sides_of<Sides>(mesh_, f);
+            Vec3<double> sum;
             Vec3<double> beside;
             Index smooth = 0;
-            for (Index h = mesh_.first_of(f); h < mesh_.first_of(f + 1); ++h) {
-                corners += scratch.spread[mesh_.origin[h]];
+            for (Index h = first; h < last; ++h) {
+                sum += passes.spread[place_[mesh_.origin[h]]];
                 if (is_sharp(rules_, mesh_, h)) continue;
-                beside += scratch.faces[mesh_.face_of(mesh_.twin[h])];
+                beside += passes.faces[face_of<Sides>(mesh_, mesh_.twin[h])];
                 ++smooth;
             }
-            const Vec3<double>& point = scratch.faces[f];
-            scratch.shares[f] =
-                1.0 / size * (corners + (edge * (size + smooth) + 1) * point + edge * beside) +
+            const Vec3<double>& point = passes.faces[f];
+            const Index sides = last - first;
+            passes.shares[f] =
+                1.0 / sides * (sum + (edge * (sides + smooth) + 1) * point + edge * beside) +
                 2 * edge * point;
         }
     });
+    constexpr double sharp = rules::kSharpEdgeEnd * rules::kSharpEdgeEnd;
     for (const DartEdge& dart : dart_edges_) {
         const Vec3<double> ends = x[dart.ends[0]] + x[dart.ends[1]];
-        const Vec3<double> points = scratch.faces[dart.faces[0]] + scratch.faces[dart.faces[1]];
-        constexpr double sharp = rules::kSharpEdgeEnd * rules::kSharpEdgeEnd;
-        for (const Index v : dart.ends) scratch.image[v] += (sharp - edge) * ends - edge * points;
-        for (const Index f : dart.faces) scratch.shares[f] -= edge / mesh_.size_of(f) * ends;
+        const Vec3<double> points = passes.faces[dart.faces[0]] + passes.faces[dart.faces[1]];
+        for (const Index v : dart.ends)
+            if (v < size()) passes.image[v] += (sharp - edge) * ends - edge * points;
+        for (const Index f : dart.faces) passes.shares[f] -= edge / mesh_.size_of(f) * ends;
     }
 }
 
 /// finish(v, (P^T P x)_v) for all vertices; it may alter x[v].
 template <class Finish>
-void MeshNormal::images(const Vec3<double>* x, Scratch& scratch, Finish finish) const {
-    const bool quads = rules_.split == Split::CatmullClark;
-    if (quads) {
-        to_faces(x, scratch);
-        to_quad_rings(x, scratch);
-        from_faces(x, scratch);
-    } else {
-        to_rings(x, scratch);
-    }
-    each_block(mesh_.vertex_count, [&](Index begin, Index end) {
-        for (Index v = begin; v < end; ++v) {
-            if (!is_inner(v)) {
-                finish(v, Vec3<double>());
-                continue;
+void MeshNormal::images(const Vec3<double>* x, Passes& passes, Finish finish) const {
+    if (rules_.split != Split::CatmullClark) {
+        through_rings(x, passes);
+        each_block(size(), [&](Index begin, Index end) {
+            for (Index v = begin; v < end; ++v) {
+                Vec3<double> sum = passes.image[v];
+                for (Index k = first_[v]; k < first_[v + 1]; ++k) sum += passes.spread[ring_[k]];
+                finish(v, sum);
             }
-            Vec3<double> image = scratch.image[v];
-            for (Index k = first_[v]; k < first_[v + 1]; ++k) image += scratch.spread[ring_[k]];
-            for (Index k = first_[v]; quads && k < first_[v + 1]; ++k)
-                image += scratch.shares[across_[k]];
-            finish(v, image);
+        });
+        return;
+    }
+    const bool quads = mesh_.sides == 4;
+    quads ? to_faces<4>(x, passes) : to_faces<0>(x, passes);
+    through_quad_rings(x, passes);
+    quads ? from_faces<4>(x, passes) : from_faces<0>(x, passes);
+    each_block(size(), [&](Index begin, Index end) {
+        for (Index v = begin; v < end; ++v) {
+            Vec3<double> sum = passes.image[v];
+            for (Index k = first_[v]; k < first_[v + 1]; ++k)
+                sum += passes.spread[ring_[k]] + passes.shares[across_[k]];
+            finish(v, sum);
         }
     });
 }
 
 void MeshNormal::apply(const Vec3<double>* x, Vec3<double>* y) const {
-    Scratch passes = scratch();
-    images(x, passes, [&](Index v, const Vec3<double>& image) { y[v] = image; });
+    Passes passes(*this);
+    Points padded(size() + 1);
+    std::copy_n(x, size(), padded.data());
+    padded[size()] = {};
+    images(padded.data(), passes, [&](Index v, const Vec3<double>& image) { y[v] = image; });
 }
 
-void MeshNormal::sweep(const LiftOptions& options, const double* scale, const Vec3<double>* target,
-                       Vec3<double>* out) const {
+MeshNormal::Points MeshNormal::sweep(const LiftOptions& options, const double* scale,
+                                     const Vec3<double>* target) const {
     const double centre = (1 + options.lowest) / 2;
     const double radius = (1 - options.lowest) / 2;
     const double sigma = centre / radius;
     double rho = 1 / sigma;
-    Scratch passes = scratch();
-    const Index count = mesh_.vertex_count;
-    Points x(count);
-    Points move(count);
-    for (Index v = 0; v < count; ++v)
-        x[v] = move[v] = is_inner(v) ? scale[v] / centre * target[v] : Vec3<double>();
+    Passes passes(*this);
+    Points x(size() + 1);
+    Points move(size());
+    for (Index v = 0; v < size(); ++v) x[v] = move[v] = scale[v] / centre * target[v];
+    x[size()] = {};
     for (int sweep = 1; sweep < options.sweeps; ++sweep) {
         const double next = 1 / (2 * sigma - rho);
         const double keep = next * rho;
         const double size = 2 * next / radius;
         images(x.data(), passes, [&](Index v, const Vec3<double>& image) {
-            if (!is_inner(v)) return;
             move[v] = keep * move[v] + size * scale[v] * (target[v] - image);
             x[v] += move[v];
         });
         rho = next;
     }
-    for (Index v = 0; v < count; ++v)
-        if (is_inner(v)) out[v] = x[v];
+    return x;
 }
 
 }  // namespace relief::multires
