@@ -24,7 +24,20 @@ struct Found {
     Unsplit unsplit;
     Split split = Split::Loop;
     MeshTags tags;
+    bool in_order = false;  ///< the finer one has the numbers of the split
 };
+
+/// For each half-edge of a mesh where its split has what Unsplit::fine names.
+Buffer<Index> own_starts(const Topology& coarse, Split split) {
+    Buffer<Index> starts(coarse.half_edge_count());
+    const bool sqrt3 = split == Split::Sqrt3Odd || split == Split::Sqrt3Even;
+    const Buffer<Index> faces = sqrt3 ? mesh::sqrt3_faces(coarse, split) : Buffer<Index>();
+    for (Index h = 0; h < starts.size(); ++h)
+        starts[h] = sqrt3                  ? 3 * faces[h]
+                    : split == Split::Loop ? 12 * (h / 3) + 3 * (h % 3)
+                                           : 4 * h;
+    return starts;
+}
 
 /// Tags of the coarser mesh: an edge is sharp if both of its halves are.
 MeshTags coarser_tags(const MeshTags& tags, const Topology& fine, const Found& found,
@@ -95,6 +108,8 @@ class Descent {
 
     /// All levels, the finest step first; sqrt(3): `even` is the parity of that one.
     void run(bool even, int most) {
+        descend_in_order(even, most);
+        even = even != (levels_.size() % 2 != 0);
         while (static_cast<int>(levels_.size()) < most) {
             const Split split = split_of(scheme_, even ? 1 : 0);
             const Recognition recognition(finest_left(), split);
@@ -119,6 +134,27 @@ class Descent {
     [[nodiscard]] const Topology& finest_left() const { return finer(levels_.size()); }
     [[nodiscard]] const MeshTags& tags_left() const {
         return levels_.empty() ? tags_ : levels_.back().tags;
+    }
+
+    /// As far as meshes have the numbers of subdivision: no other way could be meant.
+    void descend_in_order(bool even, int most) {
+        while (static_cast<int>(levels_.size()) < most) {
+            Found level;
+            level.split = split_of(scheme_, even == (levels_.size() % 2 == 0) ? 1 : 0);
+            auto coarse = mesh::unsplit_in_order(finest_left(), level.split);
+            if (!coarse) break;
+            level.in_order = true;
+            level.unsplit.fine = own_starts(*coarse, level.split);
+            level.unsplit.old_vertices.resize(coarse->vertex_count);
+            std::iota(level.unsplit.old_vertices.begin(), level.unsplit.old_vertices.end(),
+                      Index{0});
+            level.unsplit.mesh = *std::move(coarse);
+            levels_.push_back(std::move(level));
+        }
+        while (!levels_.empty() && !mesh::is_built(finest_left())) levels_.pop_back();
+        for (std::size_t k = 0; k < levels_.size(); ++k)
+            levels_[k].tags =
+                coarser_tags(k == 0 ? tags_ : levels_[k - 1].tags, finer(k), levels_[k], nullptr);
     }
 
     /// Of the coarsest mesh so far. They are needed where there is a choice only.
@@ -214,15 +250,6 @@ Result<Buffer<Index>> climb(const Topology& fine, const std::vector<Found>& leve
     return here;
 }
 
-/// The mesh at the end of the steps over a base.
-Result<Topology> finest_of(const std::vector<Found>& levels, const Topology& base) {
-    RELIEF_TRY(Topology mesh, mesh::refine(base, levels.back().split));
-    for (std::size_t k = levels.size() - 1; k-- > 0;) {
-        RELIEF_TRY(mesh, mesh::refine(mesh, levels[k].split));
-    }
-    return mesh;
-}
-
 /// What tells the order of a base's faces and corners: numbers in the mesh of what they give, which
 /// grow where the mesh was made by subdivision.
 struct Keys {
@@ -230,54 +257,44 @@ struct Keys {
     std::vector<Index> of_face;  ///< sqrt(3): first; else empty
 };
 
-/// Loop, Catmull-Clark: the first face in the end. fine_face: of the hierarchy's, in the mesh.
-template <class FineFace>
-Keys keys_of_corners(const std::vector<Found>& levels, const Topology& base, FineFace fine_face) {
-    const bool loop = levels.back().split == Split::Loop;
+/// Loop, Catmull-Clark: the first face that each corner gives in the end.
+Keys keys_of_corners(const std::vector<Found>& levels, const Topology& mesh) {
     Keys keys;
-    for (Index h = 0; h < base.half_edge_count(); ++h) {
-        Index face = loop ? 4 * (h / 3) + h % 3 : h;
-        for (std::size_t k = 1; k < levels.size(); ++k) face *= 4;
-        keys.of_half_edge.push_back(fine_face(face));
+    const Buffer<Index>& starts = levels.back().unsplit.fine;
+    for (Index corner = 0; corner < starts.size(); ++corner) {
+        Index h = starts[corner];
+        for (std::size_t k = levels.size() - 1; k-- > 0;) h = levels[k].unsplit.fine[h];
+        keys.of_half_edge.push_back(mesh.face_of(h));
     }
     return keys;
 }
 
 /// sqrt(3): the vertices that the first step puts into faces and the second one into what each
-/// half-edge gives, or its face in the end. vertices: of the hierarchy, in the mesh.
-template <class FineFace>
-Result<Keys> keys_of_edges(const std::vector<Found>& levels, const Topology& base,
-                           const std::vector<Index>& vertices, FineFace fine_face) {
-    const Split split = levels.back().split;
-    Keys keys;
-    const mesh::FacePoints points = mesh::face_points(base, split);
-    for (Index f = 0; f < base.face_count; ++f) keys.of_face.push_back(vertices[points[f]]);
-    const Buffer<Index> faces = mesh::sqrt3_faces(base, split);
-    keys.of_half_edge.resize(base.half_edge_count());
-    if (levels.size() == 1) {
-        for (Index h = 0; h < faces.size(); ++h) keys.of_half_edge[h] = fine_face(faces[h]);
-        return keys;
-    }
-    RELIEF_TRY(const Topology next, mesh::refine(base, split));
-    const mesh::FacePoints second = mesh::face_points(next, levels[levels.size() - 2].split);
-    for (Index h = 0; h < faces.size(); ++h) keys.of_half_edge[h] = vertices[second[faces[h]]];
-    return keys;
-}
-
-Result<Keys> keys_of(const std::vector<Found>& levels, const Topology& fine,
-                     const Buffer<Index>& half_edges) {
-    const Topology& base = levels.back().unsplit.mesh;
-    const auto fine_face = [&](Index face) {
-        return fine.face_of(half_edges[static_cast<Index>(fine.sides) * face]);
+/// half-edge gives, or its face in the end.
+Keys keys_of_edges(const std::vector<Found>& levels, const Topology& mesh) {
+    const auto at = [&](std::size_t k) -> const Topology& {
+        return k == 0 ? mesh : levels[k - 1].unsplit.mesh;
     };
-    const Split split = levels.back().split;
-    if (split == Split::Loop || split == Split::CatmullClark)
-        return keys_of_corners(levels, base, fine_face);
-    RELIEF_TRY(const Topology finest, finest_of(levels, base));
-    std::vector<Index> vertices(finest.vertex_count);
-    for (Index h = 0; h < finest.half_edge_count(); ++h)
-        vertices[finest.origin[h]] = fine.origin[half_edges[h]];
-    return keys_of_edges(levels, base, vertices, fine_face);
+    // The vertex that level k puts into a face, the first of two, by its number in the mesh.
+    const auto point = [&](std::size_t k, const Topology& coarse, Index f) {
+        const Index side = mesh::boundary_side(coarse, f);
+        const bool trisected = levels[k].split == Split::Sqrt3Even && side != kNone;
+        const Topology& fine = at(k);
+        const Index h = levels[k].unsplit.fine[trisected ? side : 3 * f];
+        Index v = fine.origin[trisected ? h : fine.prev(h)];
+        for (std::size_t finer = k; finer-- > 0;) v = levels[finer].unsplit.old_vertices[v];
+        return v;
+    };
+    const std::size_t last = levels.size() - 1;
+    const Topology& base = levels[last].unsplit.mesh;
+    Keys keys;
+    for (Index f = 0; f < base.face_count; ++f) keys.of_face.push_back(point(last, base, f));
+    const Buffer<Index>& starts = levels[last].unsplit.fine;
+    for (Index h = 0; h < starts.size(); ++h) {
+        const Index face = at(last).face_of(starts[h]);
+        keys.of_half_edge.push_back(last == 0 ? face : point(last - 1, at(last), face));
+    }
+    return keys;
 }
 
 /// The base with its faces in the order in which the mesh has what they give, each from the corner
@@ -352,38 +369,27 @@ Result<MeshOrigin> origin_of(const Topology& mesh, std::span<const Vec3<double>>
     if (levels.empty())
         return descent.reason().value_or(
             Error{ErrorCode::InvalidArgument, "at least one level is needed", "levels"});
-    const Topology& found = levels.back().unsplit.mesh;
-    Buffer<Index> same(found.half_edge_count());
-    std::iota(same.data(), same.data() + same.size(), Index{0});
-    RELIEF_TRY(const Buffer<Index> half_edges, climb(mesh, levels, found, std::move(same)));
-    RELIEF_TRY(const Keys keys, keys_of(levels, mesh, half_edges));
-    RELIEF_TRY(Arranged base, arranged(found, levels.back().tags, keys));
     MeshOrigin origin;
-    RELIEF_TRY(origin.half_edges, climb(mesh, levels, base.base, std::move(base.half_edges)));
     coarser_tags(tags, mesh, levels.front(), &origin.lost_creases);
     origin.spec.scheme = scheme;
     origin.spec.first_even = open && levels.back().split == Split::Sqrt3Even;
     origin.steps = static_cast<int>(levels.size());
+    if (levels.back().in_order) {
+        origin.base = std::move(levels.back().unsplit.mesh);
+        origin.tags = std::move(levels.back().tags);
+        origin.half_edges = Buffer<Index>(mesh.half_edge_count());
+        std::iota(origin.half_edges.data(), origin.half_edges.data() + mesh.half_edge_count(),
+                  Index{0});
+        return origin;
+    }
+    const Keys keys =
+        scheme == MeshScheme::Sqrt3 ? keys_of_edges(levels, mesh) : keys_of_corners(levels, mesh);
+    RELIEF_TRY(Arranged base, arranged(levels.back().unsplit.mesh, levels.back().tags, keys));
+    RELIEF_TRY(origin.half_edges, climb(mesh, levels, base.base, std::move(base.half_edges)));
     origin.tags = std::move(base.tags);
     origin.base = std::move(base.base);
     return origin;
 }
-
-namespace {
-
-/// For each half-edge of a mesh where its split has what Unsplit::fine names.
-Buffer<Index> own_starts(const Topology& coarse, Split split) {
-    Buffer<Index> starts(coarse.half_edge_count());
-    const bool sqrt3 = split == Split::Sqrt3Odd || split == Split::Sqrt3Even;
-    const Buffer<Index> faces = sqrt3 ? mesh::sqrt3_faces(coarse, split) : Buffer<Index>();
-    for (Index h = 0; h < starts.size(); ++h)
-        starts[h] = sqrt3                  ? 3 * faces[h]
-                    : split == Split::Loop ? 12 * (h / 3) + 3 * (h % 3)
-                                           : 4 * h;
-    return starts;
-}
-
-}  // namespace
 
 Result<MeshOrigin> renumbered(const MeshOrigin& origin, std::span<const Index> vertices,
                               std::span<const Index> corners) {

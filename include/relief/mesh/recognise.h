@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,6 +29,15 @@ struct Unsplit {
 /// refine(coarse, split). start: for each half-edge of `coarse` what Unsplit::fine says.
 [[nodiscard]] Buffer<Index> fine_half_edges(const Topology& coarse, Split split,
                                             const Topology& fine, const Buffer<Index>& start);
+
+/// The coarser mesh of which `refine` makes this one, number for number; nothing if there is none,
+/// or a boundary was trisected. It may break the promises of Topology, where different edges or
+/// fans have the same vertices: see is_built. Then so do all coarser ones. Complexity: O(n), in the
+/// order of memory.
+[[nodiscard]] std::optional<Topology> unsplit_in_order(const Topology& fine, Split split);
+
+/// Whether `build` makes this mesh of its faces. Complexity: O(n).
+[[nodiscard]] bool is_built(const Topology& mesh);
 
 /// Ways to see the components of a mesh as split; none for those that are not.
 class Recognition {
