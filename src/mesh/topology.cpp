@@ -76,21 +76,6 @@ int common_size(std::span<const std::int64_t> offsets) {
     return 0;
 }
 
-void set_faces(std::span<const std::int64_t> offsets, std::span<const Index> corners,
-               Topology& mesh) {
-    mesh.face_count = static_cast<Index>(offsets.size() - 1);
-    mesh.sides = common_size(offsets);
-    mesh.origin = Buffer<Index>(static_cast<std::size_t>(offsets.back() - offsets.front()));
-    std::copy_n(corners.begin() + offsets.front(), mesh.origin.size(), mesh.origin.data());
-    if (mesh.sides) return;
-    mesh.first = Buffer<Index>(offsets.size());
-    mesh.face = Buffer<Index>(mesh.origin.size());
-    for (std::size_t f = 0; f < offsets.size(); ++f)
-        mesh.first[f] = static_cast<Index>(offsets[f] - offsets.front());
-    for (Index f = 0; f < mesh.face_count; ++f)
-        std::fill(mesh.face.data() + mesh.first[f], mesh.face.data() + mesh.first[f + 1], f);
-}
-
 Error bad_edge(const Topology& mesh, Index h) {
     return bad_mesh("non_manifold_edge: the faces of its edge from vertex " +
                         std::to_string(mesh.origin[h]) + " to " + std::to_string(mesh.target(h)) +
@@ -130,6 +115,21 @@ Status check_vertices(const Topology& mesh) {
 }
 
 }  // namespace
+
+void set_faces(std::span<const std::int64_t> offsets, std::span<const Index> corners,
+               Topology& mesh) {
+    mesh.face_count = static_cast<Index>(offsets.size() - 1);
+    mesh.sides = common_size(offsets);
+    mesh.origin = Buffer<Index>(static_cast<std::size_t>(offsets.back() - offsets.front()));
+    std::copy_n(corners.begin() + offsets.front(), mesh.origin.size(), mesh.origin.data());
+    if (mesh.sides) return;
+    mesh.first = Buffer<Index>(offsets.size());
+    mesh.face = Buffer<Index>(mesh.origin.size());
+    for (std::size_t f = 0; f < offsets.size(); ++f)
+        mesh.first[f] = static_cast<Index>(offsets[f] - offsets.front());
+    for (Index f = 0; f < mesh.face_count; ++f)
+        std::fill(mesh.face.data() + mesh.first[f], mesh.face.data() + mesh.first[f + 1], f);
+}
 
 void number_edges(Topology& mesh) {
     mesh.edge = Buffer<Index>(mesh.twin.size());

@@ -39,6 +39,8 @@ struct Unsplit {
 /// Whether `build` makes this mesh of its faces. Complexity: O(n).
 [[nodiscard]] bool is_built(const Topology& mesh);
 
+struct Conflict;
+
 /// Ways to see the components of a mesh as split; none for those that are not.
 class Recognition {
   public:
@@ -63,20 +65,20 @@ class Recognition {
     [[nodiscard]] Result<Unsplit> unsplit(const std::vector<std::size_t>& choice) const;
 
   private:
-    /// One a face: which of its corners are old ones. See split_labels.h.
-    using Labels = std::vector<std::uint8_t>;
-
-    void find(std::size_t component, Index seed, std::span<const Index> boundary);
-    void drop(std::size_t way, const std::vector<bool>& bad, const char* reason);
-    void check_vertices(std::size_t way, std::span<const Index> valences);
-    void check_thirds(std::span<const std::uint8_t> roles, std::vector<bool>& bad) const;
+    void take_ways(std::size_t component, std::span<const Conflict> conflicts);
+    void label_open_components();
+    void drop(std::size_t component, std::size_t way, const char* reason);
+    [[nodiscard]] std::vector<std::uint8_t> bad_vertices() const;
     void check_coarse_edges(std::size_t way);
+    /// Of all faces in one way for each component. See split_labels.h.
+    [[nodiscard]] Buffer<std::uint8_t> labels_of(std::span<const std::size_t> ways) const;
 
     const Topology& fine_;
     Split split_;
     bool quads_only_;
     Components parts_;
-    std::vector<Labels> labels_;                  ///< [way]: of all faces
+    std::vector<std::uint8_t> labels_;  ///< [face]: which of its corners are old ones, in all ways
+    std::vector<bool> paired_;          ///< [component]: its labels are those of the only way
     std::vector<std::vector<std::size_t>> ways_;  ///< [component]: those that it has
     std::vector<std::string> reasons_;            ///< [component]: why it has none
 };
