@@ -177,24 +177,34 @@ class Sqrt3Reader {
         return true;
     }
 
-    /// Faces begin with the first edge that none before them has; else with the smallest vertex.
+    /// Where faces begin shows in the order of the edges that none before them has. Where it does
+    /// not, they begin with the smallest vertex, as those do that a step has made.
     bool arrange() {
         for (Index f = 0; f < coarse_.face_count; ++f) {
             if (fill_[f] != 3) return false;
             Side* sides = sides_.data() + 3 * f;
-            Index start = 0;
-            const auto rank = [&](const Side& side) {
-                const bool is_new = side.other > f;
-                return std::pair(!is_new, is_new ? side.edge : side.origin);
-            };
-            for (Index k = 1; k < 3; ++k)
-                if (rank(sides[k]) < rank(sides[start])) start = k;
-            std::swap(sides[0], sides[start]);
             if (sides[1].origin != sides[0].target) std::swap(sides[1], sides[2]);
-            for (Index k = 0; k < 3; ++k) {
+            for (Index k = 0; k < 3; ++k)
                 if (sides[k].target != sides[(k + 1) % 3].origin) return false;
-                coarse_.origin[3 * f + k] = sides[k].origin;
-            }
+            const auto begin_with_least = [&](auto key) {
+                std::rotate(sides, std::min_element(sides, sides + 3, key), sides + 3);
+            };
+            begin_with_least([](const Side& a, const Side& b) { return a.origin < b.origin; });
+            if (!new_edges_ascend(sides, f))
+                begin_with_least([f](const Side& a, const Side& b) {
+                    return std::pair(a.other <= f, a.edge) < std::pair(b.other <= f, b.edge);
+                });
+            for (Index k = 0; k < 3; ++k) coarse_.origin[3 * f + k] = sides[k].origin;
+        }
+        return true;
+    }
+
+    [[nodiscard]] static bool new_edges_ascend(const Side* sides, Index f) {
+        Index last = 0;
+        for (Index k = 0; k < 3; ++k) {
+            if (sides[k].other <= f) continue;
+            if (sides[k].edge < last) return false;
+            last = sides[k].edge;
         }
         return true;
     }
