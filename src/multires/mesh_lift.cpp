@@ -51,20 +51,17 @@ struct MeshLift::State {
 
     void prepare() {
         if (options.kind == LiftKind::Ring) prepare_ring();
-        if (options.kind == LiftKind::Chebyshev) prepare_sums();
+        if (options.kind == LiftKind::Chebyshev) prepare_sweeps();
         if (options.kind == LiftKind::LeastSquares) normal.emplace(step);
     }
 
     [[nodiscard]] bool is_inner(Index v) const { return step.rules().kinds[v] <= VertexKind::Dart; }
 
-    /// Column sums of P over inner vertices.
-    void prepare_sums() {
+    void prepare_sweeps() {
         normal.emplace(step);
-        Points ones(step.coarse_count() + step.new_count(), {1, 0, 0});
-        Points sums(step.coarse_count());
-        step.adjoint(ones.data(), ones.data() + step.coarse_count(), sums.data());
-        for (std::size_t k = 0; k < normal->size(); ++k)
-            scale.push_back(1 / sums[normal->vertices()[k]].x);
+        const MeshNormal::Points sums = normal->column_sums();
+        scale.resize(sums.size());
+        for (std::size_t k = 0; k < sums.size(); ++k) scale[k] = 1 / sums[k].x;
     }
 
     /// Squares of the columns of P, cut to the vertex itself and its star; K P of the same.
@@ -82,7 +79,7 @@ struct MeshLift::State {
             scale.push_back(1 / (self[v] * self[v] + squares[v]));
     }
 
-    void ring(const Points& old, const Points& fresh, Vec3<double>* out) const {
+    void ring(const Vec3<double>* old, const Vec3<double>* fresh, Vec3<double>* out) const {
         Points sums(step.coarse_count());
         for (std::size_t v = 0; v < sums.size(); ++v) sums[v] = self[v] * old[v];
         each_point_around<double>(step.coarse(), step.rules(), [&](Index v, Index point, double) {
@@ -92,16 +89,25 @@ struct MeshLift::State {
             if (is_inner(v)) out[v] = scale[v] * sums[v];
     }
 
-    /// Over the inner vertices, as `normal` counts them.
-    void solve(const Points& target, Vec3<double>* out) const {
+    /// target: over the inner vertices, as `normal` counts them.
+    void solve(const MeshNormal::Points& target, Vec3<double>* out) const {
         const auto put = [&](const auto& x) {
             for (std::size_t k = 0; k < target.size(); ++k) out[normal->vertices()[k]] = x[k];
         };
-        if (options.kind == LiftKind::Chebyshev)
-            return put(normal->sweep(options, scale.data(), target.data()));
+        if (options.kind == LiftKind::Chebyshev) return put(normal->sweep(options, scale, target));
         put(conjugate_gradient<double>(
-            target, [&](const Points& p, Points& y) { normal->apply(p.data(), y.data()); },
-            kLeastSquares));
+            Points(target.data(), target.data() + target.size()),
+            [&](const Points& p, Points& y) { normal->apply(p.data(), y.data()); }, kLeastSquares));
+    }
+
+    /// What is left of a residual beside the curves; out: what they move.
+    void fit_curves(Vec3<double>* old, Points& fresh, Vec3<double>* out) const {
+        curves.fit(old, fresh.data(), out);
+        Points old_part(step.coarse_count());
+        Points fresh_part(step.new_count());
+        step.apply(out, old_part.data(), fresh_part.data());
+        for (std::size_t k = 0; k < old_part.size(); ++k) old[k] -= old_part[k];
+        for (std::size_t k = 0; k < fresh.size(); ++k) fresh[k] -= fresh_part[k];
     }
 
     const MeshStep<double>& step;
@@ -143,26 +149,18 @@ void MeshLift::apply(const Vec3<double>* details, const Vec3<double>* residuals,
     std::fill_n(out, step.coarse_count(), Vec3<double>());
     if (state_->options.kind == LiftKind::None) return;
     // What the plain reversal leaves everywhere: e = Q d.
-    Points fresh(details, details + step.new_count());
-    Points old(step.coarse_count());
-    step.gather(fresh.data(), old.data());
+    MeshNormal::Points old(step.coarse_count());
+    step.gather(details, old.data());
     const auto& stiff = step.rules().stiff.vertices;
     for (std::size_t k = 0; k < stiff.size(); ++k) old[stiff[k]] += residuals[k];
+    Points beside;
     if (!state_->curves.empty()) {
-        state_->curves.fit(old.data(), fresh.data(), out);
-        Points old_part(old.size());
-        Points fresh_part(fresh.size());
-        step.apply(out, old_part.data(), fresh_part.data());
-        for (std::size_t k = 0; k < old.size(); ++k) old[k] -= old_part[k];
-        for (std::size_t k = 0; k < fresh.size(); ++k) fresh[k] -= fresh_part[k];
+        beside.assign(details, details + step.new_count());
+        state_->fit_curves(old.data(), beside, out);
     }
-    if (state_->options.kind == LiftKind::Ring) return state_->ring(old, fresh, out);
-    Points sums(old.size());
-    step.adjoint(old.data(), fresh.data(), sums.data());
-    Points target;
-    for (std::size_t k = 0; k < state_->normal->size(); ++k)
-        target.push_back(sums[state_->normal->vertices()[k]]);
-    state_->solve(target, out);
+    const Vec3<double>* fresh = beside.empty() ? details : beside.data();
+    if (state_->options.kind == LiftKind::Ring) return state_->ring(old.data(), fresh, out);
+    state_->solve(state_->normal->adjoint(old.data(), fresh), out);
 }
 
 }  // namespace relief::multires

@@ -153,14 +153,13 @@ void MeshNormal::mend_darts() {
     constexpr double sharp = rules::kSharpEdgeEnd * rules::kSharpEdgeEnd;
     constexpr double end = rules::kLoopEdgeEnd;
     constexpr double cross = end * rules::kLoopEdgeWing;
-    std::vector<std::array<Index, 2>> beside;  // crease vertices, and darts beside them
     mesh::each_edge(mesh_, [&](Index h, Index next, Index prev) {
         const Index a = place_[mesh_.origin[h]];
         const Index b = place_[mesh_.origin[next]];
         if ((a == size() && b == size()) || !is_sharp(rules_, mesh_, h)) return;
         for (const Index v : {h, next})
             if (rules_.kinds[mesh_.origin[v]] == VertexKind::Crease)
-                beside.push_back({mesh_.origin[v], v == h ? b : a});
+                creases_.push_back({mesh_.origin[v], v == h ? b : a});
         const Index twin = mesh_.twin[h];
         if (rules_.split == Split::CatmullClark) {
             dart_edges_.push_back({{a, b}, {mesh_.face_of(h), mesh_.face_of(twin)}});
@@ -177,13 +176,13 @@ void MeshNormal::mend_darts() {
     });
     // The rows of crease vertices.
     constexpr double along = rules::kDyadicMask.point * rules::kDyadicMask.point;
-    std::sort(beside.begin(), beside.end());
-    for (std::size_t k = 0; k < beside.size(); ++k)
-        if (k + 1 < beside.size() && beside[k][0] == beside[k + 1][0]) {
-            add_square({beside[k][1], beside[k + 1][1]}, along);
+    std::sort(creases_.begin(), creases_.end());
+    for (std::size_t k = 0; k < creases_.size(); ++k)
+        if (k + 1 < creases_.size() && creases_[k][0] == creases_[k + 1][0]) {
+            add_square({creases_[k][1], creases_[k + 1][1]}, along);
             ++k;
         } else {
-            add_square({beside[k][1]}, along);
+            add_square({creases_[k][1]}, along);
         }
 }
 
@@ -279,32 +278,98 @@ void MeshNormal::from_faces(const Vec3<double>* x, Passes& passes) const {
     }
 }
 
-/// finish(v, (P^T P x)_v) for all vertices; it may alter x[v].
+/// What comes back from the ring.
 template <class Finish>
-void MeshNormal::images(const Vec3<double>* x, Passes& passes, Finish finish) const {
-    if (rules_.split != Split::CatmullClark) {
-        through_rings(x, passes);
-        each_block(size(), [&](Index begin, Index end) {
-            for (Index v = begin; v < end; ++v) {
-                Vec3<double> sum = passes.image[v];
-                for (Index k = first_[v]; k < first_[v + 1]; ++k) sum += passes.spread[ring_[k]];
-                finish(v, sum);
-            }
-        });
-        return;
-    }
-    const bool quads = mesh_.sides == 4;
-    quads ? to_faces<4>(x, passes) : to_faces<0>(x, passes);
-    through_quad_rings(x, passes);
-    quads ? from_faces<4>(x, passes) : from_faces<0>(x, passes);
+void MeshNormal::from_rings(Passes& passes, Finish finish) const {
+    const bool quads = rules_.split == Split::CatmullClark;
     each_block(size(), [&](Index begin, Index end) {
         for (Index v = begin; v < end; ++v) {
             Vec3<double> sum = passes.image[v];
-            for (Index k = first_[v]; k < first_[v + 1]; ++k)
-                sum += passes.spread[ring_[k]] + passes.shares[across_[k]];
+            if (quads)
+                for (Index k = first_[v]; k < first_[v + 1]; ++k)
+                    sum += passes.spread[ring_[k]] + passes.shares[across_[k]];
+            else
+                for (Index k = first_[v]; k < first_[v + 1]; ++k) sum += passes.spread[ring_[k]];
             finish(v, sum);
         }
     });
+}
+
+/// finish(v, (P^T P x)_v) for all vertices; it may alter x[v].
+template <class Finish>
+void MeshNormal::images(const Vec3<double>* x, Passes& passes, Finish finish) const {
+    if (rules_.split == Split::CatmullClark) {
+        const bool quads = mesh_.sides == 4;
+        quads ? to_faces<4>(x, passes) : to_faces<0>(x, passes);
+        through_quad_rings(x, passes);
+        quads ? from_faces<4>(x, passes) : from_faces<0>(x, passes);
+    } else {
+        through_rings(x, passes);
+    }
+    from_rings(passes, finish);
+}
+
+/// image += P_new^T fresh; Catmull-Clark: `shares` gets what faces give to their corners.
+template <class Fresh>
+void MeshNormal::from_fresh(Fresh fresh, Passes& passes) const {
+    Points& image = passes.image;
+    const auto add = [&](Index h, const Vec3<double>& value) {
+        const Index v = place_[mesh_.origin[h]];
+        if (v < size()) image[v] += value;
+    };
+    if (rules_.split == Split::Loop) {
+        mesh::each_half_edge(mesh_, [&](Index, Index h, Index, Index prev) {
+            const bool sharp = is_sharp(rules_, mesh_, h);
+            const Vec3<double> value = fresh(mesh_.edge[h]);
+            add(h, (sharp ? rules::kSharpEdgeEnd : rules::kLoopEdgeEnd) * value);
+            if (!sharp) add(prev, rules::kLoopEdgeWing * value);
+        });
+        return;
+    }
+    if (rules_.split != Split::CatmullClark) {
+        for (Index f = 0; f < mesh_.face_count; ++f) {
+            if (is_trisected(mesh_, rules_, f)) continue;
+            const Vec3<double> share = rules::kFacePoint3 * fresh(face_point(mesh_, rules_, f));
+            for (Index h = 3 * f; h < 3 * f + 3; ++h) add(h, share);
+        }
+        return;
+    }
+    for (Index f = 0; f < mesh_.face_count; ++f) {
+        Vec3<double> sum = fresh(mesh_.edge_count + f);
+        for (Index h = mesh_.first_of(f); h < mesh_.first_of(f + 1); ++h) {
+            sum += passes.spread[place_[mesh_.origin[h]]];
+            const bool sharp = is_sharp(rules_, mesh_, h);
+            const Vec3<double> value = fresh(mesh_.edge[h]);
+            add(h, (sharp ? rules::kSharpEdgeEnd : rules::kQuadEdgeEnd) * value);
+            if (!sharp) sum += rules::kQuadEdgeFace * value;
+        }
+        passes.shares[f] = 1.0 / mesh_.size_of(f) * sum;
+    }
+}
+
+template <class Old, class Fresh>
+MeshNormal::Points MeshNormal::adjoint_of(Old old, Fresh fresh) const {
+    Passes passes(*this);
+    for (Index v = 0; v < size(); ++v) {
+        const Vec3<double> value = old(vertices_[v]);
+        passes.image[v] = row_of(v).self * value;
+        passes.spread[v] = row_of(v).ring * value;
+    }
+    from_fresh(fresh, passes);
+    for (const auto& [crease, dart] : creases_)
+        passes.image[dart] += rules::kDyadicMask.point * old(crease);
+    Points result(size());
+    from_rings(passes, [&](Index v, const Vec3<double>& sum) { result[v] = sum; });
+    return result;
+}
+
+MeshNormal::Points MeshNormal::adjoint(const Vec3<double>* old, const Vec3<double>* fresh) const {
+    return adjoint_of([&](Index v) { return old[v]; }, [&](Index x) { return fresh[x]; });
+}
+
+MeshNormal::Points MeshNormal::column_sums() const {
+    const auto one = [](Index) { return Vec3<double>{1, 1, 1}; };
+    return adjoint_of(one, one);
 }
 
 void MeshNormal::apply(const Vec3<double>* x, Vec3<double>* y) const {
@@ -315,8 +380,8 @@ void MeshNormal::apply(const Vec3<double>* x, Vec3<double>* y) const {
     images(padded.data(), passes, [&](Index v, const Vec3<double>& image) { y[v] = image; });
 }
 
-MeshNormal::Points MeshNormal::sweep(const LiftOptions& options, const double* scale,
-                                     const Vec3<double>* target) const {
+MeshNormal::Points MeshNormal::sweep(const LiftOptions& options, const std::vector<double>& scale,
+                                     const Points& target) const {
     const double centre = (1 + options.lowest) / 2;
     const double radius = (1 - options.lowest) / 2;
     const double sigma = centre / radius;

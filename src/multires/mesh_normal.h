@@ -28,12 +28,18 @@ class MeshNormal {
     [[nodiscard]] std::size_t size() const { return vertices_.size(); }
     [[nodiscard]] const Buffer<mesh::Index>& vertices() const { return vertices_; }
 
+    /// P^T (old, fresh) over the inner vertices.
+    [[nodiscard]] Points adjoint(const Vec3<double>* old, const Vec3<double>* fresh) const;
+
+    /// The sums of the columns of P.
+    [[nodiscard]] Points column_sums() const;
+
     /// y = P^T P x.
     void apply(const Vec3<double>* x, Vec3<double>* y) const;
 
     /// Sweeps of section 7.2 from 0 towards P^T P x = target. scale: 1 / column sums of P.
-    [[nodiscard]] Points sweep(const LiftOptions& options, const double* scale,
-                               const Vec3<double>* target) const;
+    [[nodiscard]] Points sweep(const LiftOptions& options, const std::vector<double>& scale,
+                               const Points& target) const;
 
   private:
     /// y[row] += weight x[column].
@@ -74,12 +80,18 @@ class MeshNormal {
         return rows_[first_[v + 1] - first_[v]];
     }
 
+    template <class Fresh>
+    void from_fresh(Fresh fresh, Passes& passes) const;
+    template <class Old, class Fresh>
+    [[nodiscard]] Points adjoint_of(Old old, Fresh fresh) const;
     void through_rings(const Vec3<double>* x, Passes& passes) const;
     template <mesh::Index Sides>
     void to_faces(const Vec3<double>* x, Passes& passes) const;
     void through_quad_rings(const Vec3<double>* x, Passes& passes) const;
     template <mesh::Index Sides>
     void from_faces(const Vec3<double>* x, Passes& passes) const;
+    template <class Finish>
+    void from_rings(Passes& passes, Finish finish) const;
     template <class Finish>
     void images(const Vec3<double>* x, Passes& passes, Finish finish) const;
 
@@ -96,6 +108,7 @@ class MeshNormal {
     double far_ = 0;              ///< Loop: for each vertex across
     std::vector<Term> terms_;
     std::vector<DartEdge> dart_edges_;
+    std::vector<std::array<mesh::Index, 2>> creases_;  ///< vertices, and the places of darts beside
 };
 
 }  // namespace relief::multires

@@ -42,6 +42,13 @@ void expect_plain(const Level& level, unsigned seed, const std::string& name) {
     for (std::size_t k = 0; k < y.size(); ++k)
         // Rows add up to at most twice the valence, over which roundings spread.
         ASSERT_LT(length(y[k] - expected[normal.vertices()[k]]), 1e-13) << name;
+    const Points e = noisy(Points(x.size() + level.rules.new_count), seed + 1, 1);
+    Points altered = e;
+    Points sums(x.size());
+    level.step().adjoint(altered.data(), altered.data() + x.size(), sums.data());
+    const MeshNormal::Points adjoint = normal.adjoint(e.data(), e.data() + x.size());
+    for (std::size_t k = 0; k < normal.size(); ++k)
+        ASSERT_LT(length(adjoint[k] - sums[normal.vertices()[k]]), 1e-13) << name;
     std::set<Index> seen(normal.vertices().data(), normal.vertices().data() + normal.size());
     for (Index v = 0; v < x.size(); ++v)
         ASSERT_EQ(seen.count(v), level.rules.kinds[v] <= VertexKind::Dart ? 1U : 0U) << name;
