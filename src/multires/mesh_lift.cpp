@@ -89,15 +89,19 @@ struct MeshLift::State {
             if (is_inner(v)) out[v] = scale[v] * sums[v];
     }
 
-    /// target: over the inner vertices, as `normal` counts them.
-    void solve(const MeshNormal::Points& target, Vec3<double>* out) const {
+    /// The inner vertices, from what is left beside the curves.
+    void fit_surface(const Vec3<double>* old, const Vec3<double>* fresh, Vec3<double>* out) const {
+        MeshNormal::Passes passes(*normal);
+        const MeshNormal::Points target = normal->adjoint(old, fresh, passes);
         const auto put = [&](const auto& x) {
             for (std::size_t k = 0; k < target.size(); ++k) out[normal->vertices()[k]] = x[k];
         };
-        if (options.kind == LiftKind::Chebyshev) return put(normal->sweep(options, scale, target));
+        if (options.kind == LiftKind::Chebyshev)
+            return put(normal->sweep(options, scale, target, passes));
         put(conjugate_gradient<double>(
             Points(target.data(), target.data() + target.size()),
-            [&](const Points& p, Points& y) { normal->apply(p.data(), y.data()); }, kLeastSquares));
+            [&](const Points& p, Points& y) { normal->apply(p.data(), y.data(), passes); },
+            kLeastSquares));
     }
 
     /// What is left of a residual beside the curves; out: what they move.
@@ -160,7 +164,7 @@ void MeshLift::apply(const Vec3<double>* details, const Vec3<double>* residuals,
     }
     const Vec3<double>* fresh = beside.empty() ? details : beside.data();
     if (state_->options.kind == LiftKind::Ring) return state_->ring(old.data(), fresh, out);
-    state_->solve(state_->normal->adjoint(old.data(), fresh), out);
+    state_->fit_surface(old.data(), fresh, out);
 }
 
 }  // namespace relief::multires

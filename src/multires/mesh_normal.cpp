@@ -49,6 +49,8 @@ MeshNormal::MeshNormal(const MeshStep<double>& step) : mesh_(step.coarse()), rul
     list_rings();
     list_rows();
     if (rules_.split == Split::CatmullClark) {
+        list_regular();
+        list_rest();
         mend_darts();
         return;
     }
@@ -94,7 +96,9 @@ void MeshNormal::list_rings() {
     first_[inner] = sum;
     ring_ = Buffer<Index>(sum);
     const bool loop = rules_.split == Split::Loop;
-    if (loop || rules_.split == Split::CatmullClark) across_ = Buffer<Index>(sum);
+    const bool quads = rules_.split == Split::CatmullClark;
+    if (loop || quads) across_ = Buffer<Index>(sum);
+    if (quads) diagonal_ = Buffer<Index>(sum);
     Buffer<Index> end(inner);
     std::copy_n(first_.data(), inner, end.data());
     mesh::each_half_edge(mesh_, [&](Index f, Index h, Index next, Index) {
@@ -105,8 +109,9 @@ void MeshNormal::list_rings() {
         if (loop) {
             const bool open = is_sharp(rules_, mesh_, next);
             across_[k] = open ? inner : place_[mesh_.origin[mesh_.prev(mesh_.twin[next])]];
-        } else if (across_.size() > 0) {
+        } else if (quads) {
             across_[k] = f;
+            diagonal_[k] = mesh_.size_of(f) == 4 ? place_[mesh_.target(next)] : inner;
         }
     });
 }
@@ -130,6 +135,51 @@ void MeshNormal::list_rows() {
             row = {1 - n * ring, ring, n * rules::kFacePoint3 * rules::kFacePoint3};
         }
     }
+}
+
+void MeshNormal::list_regular() {
+    regular_ = Buffer<Place>(size());
+    for (Index v = 0; v < size(); ++v) {
+        bool regular = rules_.kinds[vertices_[v]] == VertexKind::Smooth;
+        regular = regular && first_[v + 1] - first_[v] == 4;
+        for (Index k = first_[v]; regular && k < first_[v + 1]; ++k)
+            regular = mesh_.size_of(across_[k]) == 4;
+        regular_[v] = regular ? Place::Regular : Place::Irregular;
+    }
+    const auto is_regular = [&](Index v) { return v < size() && regular_[v] != Place::Irregular; };
+    for (Index v = 0; v < size(); ++v) {
+        bool deep = is_regular(v);
+        for (Index k = first_[v]; deep && k < first_[v + 1]; ++k)
+            deep = is_regular(ring_[k]) && is_regular(diagonal_[k]);
+        if (deep) regular_[v] = Place::Deep;
+    }
+}
+
+/// What the vertices look at that are not deep.
+void MeshNormal::list_rest() {
+    std::vector<bool> faces(mesh_.face_count);
+    std::vector<bool> shares(mesh_.face_count);
+    std::vector<bool> rings(size() + 1);
+    const auto mark_faces = [&](Index v, std::vector<bool>& marks) {
+        for (Index k = first_[v]; k < first_[v + 1]; ++k) marks[across_[k]] = true;
+    };
+    const auto list = [](const std::vector<bool>& marks, std::size_t count,
+                         std::vector<Index>& out) {
+        for (std::size_t k = 0; k < count; ++k)
+            if (marks[k]) out.push_back(static_cast<Index>(k));
+    };
+    for (Index v = 0; v < size(); ++v)
+        if (regular_[v] != Place::Deep) mark_faces(v, shares);
+    list(shares, shares.size(), rest_shares_);
+    for (const Index f : rest_shares_)
+        for (Index h = mesh_.first_of(f); h < mesh_.first_of(f + 1); ++h) {
+            faces[f] = true;
+            rings[place_[mesh_.origin[h]]] = true;
+            if (!mesh_.on_boundary(h)) faces[mesh_.face_of(mesh_.twin[h])] = true;
+        }
+    list(rings, size(), rest_rings_);
+    for (const Index v : rest_rings_) mark_faces(v, faces);
+    list(faces, faces.size(), rest_faces_);
 }
 
 /// Loop: sharp edges give nothing to the vertices opposite.
@@ -192,6 +242,7 @@ MeshNormal::Passes::Passes(const MeshNormal& normal)
     if (normal.rules_.split != Split::CatmullClark) return;
     faces = Points(normal.mesh_.face_count);
     shares = Points(normal.mesh_.face_count);
+    smoothed = Points(normal.size());
 }
 
 /// Triangles: all but what comes back from the ring.
@@ -215,11 +266,36 @@ void MeshNormal::through_rings(const Vec3<double>* x, Passes& passes) const {
     for (const Term& term : terms_) passes.image[term.row] += term.weight * x[term.column];
 }
 
+/// Catmull-Clark: P^T P of cubic curves is (1 28 70 28 1) / 64, in s = z + 1/z
+/// (s^2 + 28 s + 68) / 64 = (s + kFirst) (s + kSecond) / 64.
+constexpr double kEightRoot2 = 11.313708498984761;
+constexpr double kFirst = 14 - kEightRoot2;
+constexpr double kSecond = 14 + kEightRoot2;
+
+/// (s + shift) (t + shift) x for both directions of the quads around a vertex.
+[[gnu::always_inline]] inline Vec3<double> shifted_product(const Vec3<double>* x, Index v,
+                                                           const Index* ring, const Index* diagonal,
+                                                           double shift) {
+    const Vec3<double> near = (x[ring[0]] + x[ring[1]]) + (x[ring[2]] + x[ring[3]]);
+    const Vec3<double> far = (x[diagonal[0]] + x[diagonal[1]]) + (x[diagonal[2]] + x[diagonal[3]]);
+    return shift * shift * x[v] + shift * near + far;
+}
+
+void MeshNormal::sum_regular(const Vec3<double>* x, Passes& passes) const {
+    each_block(size(), [&](Index begin, Index end) {
+        for (Index v = begin; v < end; ++v)
+            if (regular_[v] != Place::Irregular)
+                passes.smoothed[v] = shifted_product(x, v, ring_.data() + first_[v],
+                                                     diagonal_.data() + first_[v], kFirst);
+    });
+}
+
 /// Catmull-Clark: the points of faces.
 template <Index Sides>
 void MeshNormal::to_faces(const Vec3<double>* x, Passes& passes) const {
-    each_block(mesh_.face_count, [&](Index begin, Index end) {
-        for (Index f = begin; f < end; ++f) {
+    each_block(rest_faces_.size(), [&](Index begin, Index end) {
+        for (Index k = begin; k < end; ++k) {
+            const Index f = rest_faces_[k];
             const auto [first, last] = sides_of<Sides>(mesh_, f);
             Vec3<double> sum;
             for (Index h = first; h < last; ++h) sum += x[place_[mesh_.origin[h]]];
@@ -231,8 +307,9 @@ void MeshNormal::to_faces(const Vec3<double>* x, Passes& passes) const {
 /// What vertices give to the ring: through old vertices, and through edges.
 void MeshNormal::through_quad_rings(const Vec3<double>* x, Passes& passes) const {
     constexpr double edge = rules::kQuadEdgeEnd * rules::kQuadEdgeEnd;
-    each_block(size(), [&](Index begin, Index end) {
-        for (Index v = begin; v < end; ++v) {
+    each_block(rest_rings_.size(), [&](Index begin, Index end) {
+        for (Index n = begin; n < end; ++n) {
+            const Index v = rest_rings_[n];
             const Row& row = row_of(v);
             Vec3<double> sum;
             for (Index k = first_[v]; k < first_[v + 1]; ++k)
@@ -249,8 +326,9 @@ void MeshNormal::through_quad_rings(const Vec3<double>* x, Passes& passes) const
 template <Index Sides>
 void MeshNormal::from_faces(const Vec3<double>* x, Passes& passes) const {
     constexpr double edge = rules::kQuadEdgeEnd * rules::kQuadEdgeEnd;
-    each_block(mesh_.face_count, [&](Index begin, Index end) {
-        for (Index f = begin; f < end; ++f) {
+    each_block(rest_shares_.size(), [&](Index begin, Index end) {
+        for (Index k = begin; k < end; ++k) {
+            const Index f = rest_shares_[k];
             const auto [first, last] = sides_of<Sides>(mesh_, f);
             Vec3<double> sum;
             Vec3<double> beside;
@@ -279,34 +357,40 @@ void MeshNormal::from_faces(const Vec3<double>* x, Passes& passes) const {
 }
 
 /// What comes back from the ring.
-template <class Finish>
-void MeshNormal::from_rings(Passes& passes, Finish finish) const {
-    const bool quads = rules_.split == Split::CatmullClark;
-    each_block(size(), [&](Index begin, Index end) {
-        for (Index v = begin; v < end; ++v) {
-            Vec3<double> sum = passes.image[v];
-            if (quads)
-                for (Index k = first_[v]; k < first_[v + 1]; ++k)
-                    sum += passes.spread[ring_[k]] + passes.shares[across_[k]];
-            else
-                for (Index k = first_[v]; k < first_[v + 1]; ++k) sum += passes.spread[ring_[k]];
-            finish(v, sum);
-        }
-    });
+Vec3<double> MeshNormal::from_ring(Index v, const Passes& passes) const {
+    Vec3<double> sum = passes.image[v];
+    if (rules_.split == Split::CatmullClark)
+        for (Index k = first_[v]; k < first_[v + 1]; ++k)
+            sum += passes.spread[ring_[k]] + passes.shares[across_[k]];
+    else
+        for (Index k = first_[v]; k < first_[v + 1]; ++k) sum += passes.spread[ring_[k]];
+    return sum;
 }
 
 /// finish(v, (P^T P x)_v) for all vertices; it may alter x[v].
 template <class Finish>
 void MeshNormal::images(const Vec3<double>* x, Passes& passes, Finish finish) const {
-    if (rules_.split == Split::CatmullClark) {
-        const bool quads = mesh_.sides == 4;
-        quads ? to_faces<4>(x, passes) : to_faces<0>(x, passes);
-        through_quad_rings(x, passes);
-        quads ? from_faces<4>(x, passes) : from_faces<0>(x, passes);
-    } else {
+    if (rules_.split != Split::CatmullClark) {
         through_rings(x, passes);
+        each_block(size(), [&](Index begin, Index end) {
+            for (Index v = begin; v < end; ++v) finish(v, from_ring(v, passes));
+        });
+        return;
     }
-    from_rings(passes, finish);
+    sum_regular(x, passes);
+    const bool quads = mesh_.sides == 4;
+    quads ? to_faces<4>(x, passes) : to_faces<0>(x, passes);
+    through_quad_rings(x, passes);
+    quads ? from_faces<4>(x, passes) : from_faces<0>(x, passes);
+    each_block(size(), [&](Index begin, Index end) {
+        for (Index v = begin; v < end; ++v)
+            if (regular_[v] == Place::Deep)
+                finish(v, 1.0 / 4096 *
+                              shifted_product(passes.smoothed.data(), v, ring_.data() + first_[v],
+                                              diagonal_.data() + first_[v], kSecond));
+            else
+                finish(v, from_ring(v, passes));
+    });
 }
 
 /// image += P_new^T fresh; Catmull-Clark: `shares` gets what faces give to their corners.
@@ -348,8 +432,7 @@ void MeshNormal::from_fresh(Fresh fresh, Passes& passes) const {
 }
 
 template <class Old, class Fresh>
-MeshNormal::Points MeshNormal::adjoint_of(Old old, Fresh fresh) const {
-    Passes passes(*this);
+MeshNormal::Points MeshNormal::adjoint_of(Old old, Fresh fresh, Passes& passes) const {
     for (Index v = 0; v < size(); ++v) {
         const Vec3<double> value = old(vertices_[v]);
         passes.image[v] = row_of(v).self * value;
@@ -359,21 +442,24 @@ MeshNormal::Points MeshNormal::adjoint_of(Old old, Fresh fresh) const {
     for (const auto& [crease, dart] : creases_)
         passes.image[dart] += rules::kDyadicMask.point * old(crease);
     Points result(size());
-    from_rings(passes, [&](Index v, const Vec3<double>& sum) { result[v] = sum; });
+    each_block(size(), [&](Index begin, Index end) {
+        for (Index v = begin; v < end; ++v) result[v] = from_ring(v, passes);
+    });
     return result;
 }
 
-MeshNormal::Points MeshNormal::adjoint(const Vec3<double>* old, const Vec3<double>* fresh) const {
-    return adjoint_of([&](Index v) { return old[v]; }, [&](Index x) { return fresh[x]; });
+MeshNormal::Points MeshNormal::adjoint(const Vec3<double>* old, const Vec3<double>* fresh,
+                                       Passes& passes) const {
+    return adjoint_of([&](Index v) { return old[v]; }, [&](Index x) { return fresh[x]; }, passes);
 }
 
 MeshNormal::Points MeshNormal::column_sums() const {
     const auto one = [](Index) { return Vec3<double>{1, 1, 1}; };
-    return adjoint_of(one, one);
+    Passes passes(*this);
+    return adjoint_of(one, one, passes);
 }
 
-void MeshNormal::apply(const Vec3<double>* x, Vec3<double>* y) const {
-    Passes passes(*this);
+void MeshNormal::apply(const Vec3<double>* x, Vec3<double>* y, Passes& passes) const {
     Points padded(size() + 1);
     std::copy_n(x, size(), padded.data());
     padded[size()] = {};
@@ -381,12 +467,11 @@ void MeshNormal::apply(const Vec3<double>* x, Vec3<double>* y) const {
 }
 
 MeshNormal::Points MeshNormal::sweep(const LiftOptions& options, const std::vector<double>& scale,
-                                     const Points& target) const {
+                                     const Points& target, Passes& passes) const {
     const double centre = (1 + options.lowest) / 2;
     const double radius = (1 - options.lowest) / 2;
     const double sigma = centre / radius;
     double rho = 1 / sigma;
-    Passes passes(*this);
     Points x(size() + 1);
     Points move(size());
     for (Index v = 0; v < size(); ++v) x[v] = move[v] = scale[v] / centre * target[v];

@@ -73,7 +73,8 @@ struct Ordered {
     std::vector<Index> half_edge;  ///< [vertex]: one of the mesh's that begins there
 };
 
-Result<Ordered> ordered(const Topology& fine, const Points& points, const Found& found) {
+Result<Ordered> ordered(const Topology& fine, std::span<const Vec3<double>> points,
+                        const Found& found) {
     RELIEF_TRY(const Topology again, mesh::refine(found.unsplit.mesh, found.split));
     const auto half_edges =
         mesh::fine_half_edges(found.unsplit.mesh, found.split, fine, found.unsplit.fine);
@@ -102,9 +103,7 @@ class Descent {
   public:
     Descent(const Topology& mesh, std::span<const Vec3<double>> points, const MeshTags& tags,
             MeshScheme scheme)
-        : mesh_(mesh), tags_(tags), scheme_(scheme) {
-        points_.emplace_back(points.begin(), points.end());
-    }
+        : mesh_(mesh), tags_(tags), scheme_(scheme), points_(points) {}
 
     /// All levels, the finest step first; sqrt(3): `even` is the parity of that one.
     void run(bool even, int most) {
@@ -113,6 +112,7 @@ class Descent {
         while (static_cast<int>(levels_.size()) < most) {
             const Split split = split_of(scheme_, even ? 1 : 0);
             const Recognition recognition(finest_left(), split);
+            if (recognition.ok()) link_levels_in_order();
             Result<Found> found =
                 recognition.ok() ? choose(recognition, split) : Result<Found>(recognition.error());
             if (!found.ok()) {
@@ -144,31 +144,42 @@ class Descent {
             auto coarse = mesh::unsplit_in_order(finest_left(), level.split);
             if (!coarse) break;
             level.in_order = true;
-            level.unsplit.fine = own_starts(*coarse, level.split);
-            level.unsplit.old_vertices.resize(coarse->vertex_count);
-            std::iota(level.unsplit.old_vertices.begin(), level.unsplit.old_vertices.end(),
-                      Index{0});
             level.unsplit.mesh = *std::move(coarse);
             levels_.push_back(std::move(level));
         }
         while (!levels_.empty() && !mesh::is_built(finest_left())) levels_.pop_back();
+        if (!tags_.sharp.empty() || !tags_.corner.empty()) link_levels_in_order();
         for (std::size_t k = 0; k < levels_.size(); ++k)
             levels_[k].tags =
                 coarser_tags(k == 0 ? tags_ : levels_[k - 1].tags, finer(k), levels_[k], nullptr);
     }
 
+    /// Tells where in the finer mesh those levels are.
+    void link_levels_in_order() {
+        for (Found& level : levels_) {
+            Unsplit& unsplit = level.unsplit;
+            if (!level.in_order || unsplit.fine.size() > 0) continue;
+            unsplit.fine = own_starts(unsplit.mesh, level.split);
+            unsplit.old_vertices.resize(unsplit.mesh.vertex_count);
+            std::iota(unsplit.old_vertices.begin(), unsplit.old_vertices.end(), Index{0});
+        }
+    }
+
     /// Of the coarsest mesh so far. They are needed where there is a choice only.
-    Result<const Points*> points_left() {
-        while (points_.size() <= levels_.size()) {
-            const std::size_t k = points_.size() - 1;
+    Result<std::span<const Vec3<double>>> points_left() {
+        while (coarser_points_.size() < levels_.size()) {
+            const std::size_t k = coarser_points_.size();
             const Found& found = levels_[k];
-            RELIEF_TRY(const Ordered fine, ordered(finer(k), points_[k], found));
+            RELIEF_TRY(const Ordered fine, ordered(finer(k), points_at(k), found));
             RELIEF_TRY(const StepRules rules,
                        step_rules(found.unsplit.mesh, found.tags, found.split));
             RELIEF_TRY(Points coarse, lifted({found.unsplit.mesh, rules}, fine.points, scheme_));
-            points_.push_back(std::move(coarse));
+            coarser_points_.push_back(std::move(coarse));
         }
-        return &points_.back();
+        return points_at(levels_.size());
+    }
+    [[nodiscard]] std::span<const Vec3<double>> points_at(std::size_t k) const {
+        return k == 0 ? points_ : coarser_points_[k - 1];
     }
 
     Result<Found> found(const Recognition& recognition, Split split,
@@ -187,7 +198,7 @@ class Descent {
         for (std::size_t c = 0; c < components; ++c) most = std::max(most, recognition.ways(c));
         std::vector<std::size_t> best(components, 0);
         std::vector<double> least(components, std::numeric_limits<double>::infinity());
-        for (std::size_t way = 0; most > 1 && !points_[0].empty() && way < most; ++way) {
+        for (std::size_t way = 0; most > 1 && !points_.empty() && way < most; ++way) {
             std::vector<std::size_t> choice(components);
             for (std::size_t c = 0; c < components; ++c)
                 choice[c] = std::min(way, recognition.ways(c) - 1);
@@ -206,8 +217,8 @@ class Descent {
     Result<std::vector<double>> squared_distances(const Recognition& recognition, Split split,
                                                   const std::vector<std::size_t>& choice) {
         RELIEF_TRY(const Found way, found(recognition, split, choice));
-        RELIEF_TRY(const Points* points, points_left());
-        RELIEF_TRY(const Ordered fine, ordered(finest_left(), *points, way));
+        RELIEF_TRY(const auto points, points_left());
+        RELIEF_TRY(const Ordered fine, ordered(finest_left(), points, way));
         RELIEF_TRY(const StepRules rules, step_rules(way.unsplit.mesh, way.tags, split));
         const MeshStep<double> step(way.unsplit.mesh, rules);
         RELIEF_TRY(const Points c, lifted(step, fine.points, scheme_));
@@ -226,7 +237,8 @@ class Descent {
     const MeshTags& tags_;
     MeshScheme scheme_;
     std::vector<Found> levels_;
-    std::vector<Points> points_;  ///< of the mesh and of the coarser ones, as far as asked for
+    std::span<const Vec3<double>> points_;
+    std::vector<Points> coarser_points_;  ///< of levels_, as far as asked for
     std::optional<Error> reason_;
 };
 

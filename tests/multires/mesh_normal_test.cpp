@@ -38,7 +38,8 @@ void expect_plain(const Level& level, unsigned seed, const std::string& name) {
     Points inner;
     for (std::size_t k = 0; k < normal.size(); ++k) inner.push_back(x[normal.vertices()[k]]);
     Points y(inner.size());
-    normal.apply(inner.data(), y.data());
+    MeshNormal::Passes passes(normal);
+    normal.apply(inner.data(), y.data(), passes);
     for (std::size_t k = 0; k < y.size(); ++k)
         // Rows add up to at most twice the valence, over which roundings spread.
         ASSERT_LT(length(y[k] - expected[normal.vertices()[k]]), 1e-13) << name;
@@ -46,7 +47,7 @@ void expect_plain(const Level& level, unsigned seed, const std::string& name) {
     Points altered = e;
     Points sums(x.size());
     level.step().adjoint(altered.data(), altered.data() + x.size(), sums.data());
-    const MeshNormal::Points adjoint = normal.adjoint(e.data(), e.data() + x.size());
+    const MeshNormal::Points adjoint = normal.adjoint(e.data(), e.data() + x.size(), passes);
     for (std::size_t k = 0; k < normal.size(); ++k)
         ASSERT_LT(length(adjoint[k] - sums[normal.vertices()[k]]), 1e-13) << name;
     std::set<Index> seen(normal.vertices().data(), normal.vertices().data() + normal.size());
@@ -70,6 +71,24 @@ TEST(MeshNormal, Creases) {
             std::mt19937 random(seed);
             for (auto& sharp : tags.sharp) sharp = sharp && random() % 3 != 0;
             expect_plain(Level(std::move(mesh), std::move(tags), split), seed, "creases");
+        }
+}
+
+/// Meshes with regular parts, with and without creases and boundaries.
+TEST(MeshNormal, RegularParts) {
+    const mesh::Split split = mesh::Split::CatmullClark;
+    for (const test::Shape& shape :
+         {test::double_torus(), test::grid(3, 4, false), test::grid(5, 6, false, true),
+          test::both(test::tetrahedron(), test::grid(4, 4, false))})
+        for (unsigned seed = 1; seed <= 6; ++seed) {
+            mesh::Topology mesh = shape.topology();
+            MeshTags tags = seed % 2 == 0 ? MeshTags() : test::some_tags(mesh, seed);
+            for (int step = 0; step < 2; ++step) {
+                mesh::Topology fine = *mesh::refine(mesh, split);
+                tags = refined(tags, mesh, fine, split);
+                mesh = std::move(fine);
+            }
+            expect_plain(Level(std::move(mesh), std::move(tags), split), seed, "regular parts");
         }
 }
 
