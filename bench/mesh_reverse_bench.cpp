@@ -18,7 +18,8 @@ namespace {
 using mesh::Index;
 using Points = std::vector<Vec3<double>>;
 
-/// A flat grid that is bent to a torus, with some diagonals turned so that valences vary.
+/// A torus of side x side cells in which valences vary: triangles with diagonals of both kinds, or
+/// quads of which one in nine is cut in two.
 mesh::FaceList base_faces(bool triangles, Index side) {
     mesh::FaceList faces;
     const auto at = [&](Index r, Index c) { return r % side * side + c % side; };
@@ -26,7 +27,6 @@ mesh::FaceList base_faces(bool triangles, Index side) {
         for (Index c = 0; c < side; ++c) {
             const std::array<Index, 4> q{at(r, c), at(r, c + 1), at(r + 1, c + 1), at(r + 1, c)};
             if (!triangles) {
-                // One quad in nine becomes a pentagon's worth of irregular vertices.
                 if ((r * side + c) % 9 == 4) {
                     faces.add(std::array<Index, 3>{q[0], q[1], q[2]});
                     faces.add(std::array<Index, 3>{q[0], q[2], q[3]});
@@ -102,9 +102,7 @@ Sample sample_of(std::int64_t scheme, bool shuffled) {
     const bool triangles = sample.scheme != MeshScheme::CatmullClark;
     const Index side = triangles ? 12 : 20;
     sample.base = *mesh::build(base_faces(triangles, side), side * side);
-    sample.steps = sample.scheme == MeshScheme::Sqrt3  ? 8
-                   : sample.scheme == MeshScheme::Loop ? 6
-                                                       : 6;
+    sample.steps = sample.scheme == MeshScheme::Sqrt3 ? 8 : 6;
     const MeshHierarchy hierarchy = sample.hierarchy();
     sample.points = base_points(side);
     sample.points.resize(hierarchy.vertices(sample.steps));

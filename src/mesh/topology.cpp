@@ -18,13 +18,13 @@ Error bad_mesh(std::string message, const char* element, std::size_t number) {
                  std::string(element) + " " + std::to_string(number)};
 }
 
-bool repeats_among_many(std::vector<Index> corners) {
-    std::sort(corners.begin(), corners.end());
-    return std::adjacent_find(corners.begin(), corners.end()) != corners.end();
-}
-
 bool repeats(std::span<const Index> corners) {
-    if (corners.size() > kManyCorners) return repeats_among_many({corners.begin(), corners.end()});
+    if (corners.size() > kManyCorners) {
+        Buffer<Index> sorted(corners.size());
+        Index* const end = std::copy(corners.begin(), corners.end(), sorted.data());
+        std::sort(sorted.data(), end);
+        return std::adjacent_find(sorted.data(), end) != end;
+    }
     for (std::size_t i = 1; i < corners.size(); ++i)
         for (std::size_t j = 0; j < i; ++j)
             if (corners[i] == corners[j]) return true;
