@@ -1,6 +1,7 @@
 #include "multires/mesh_normal.h"
 
 #include <gtest/gtest.h>
+#include <rapidcheck.h>
 
 #include <set>
 
@@ -90,6 +91,36 @@ TEST(MeshNormal, RegularParts) {
             }
             expect_plain(Level(std::move(mesh), std::move(tags), split), seed, "regular parts");
         }
+}
+
+/// Surfaces of all kinds, refined or not, with random creases and corners, in any order.
+TEST(MeshNormal, Families) {
+    const std::vector<test::Shape> shapes = {
+        test::tetrahedron(),
+        test::icosahedron(),
+        test::triangulated(test::double_torus()),
+        test::grid(4, 3, true),
+        test::without_faces(test::grid(5, 5, true, true), {7, 8, 30}),
+        test::both(test::octahedron(), test::grid(3, 3, true)),
+        test::both(test::tetrahedron(), test::grid(3, 2, true))};
+    EXPECT_TRUE(rc::check([&] {
+        const auto seed = *rc::gen::inRange(1U, 10000U);
+        const auto& shape = *rc::gen::elementOf(shapes);
+        const auto split = *rc::gen::element(mesh::Split::Loop, mesh::Split::CatmullClark,
+                                             mesh::Split::Sqrt3Odd, mesh::Split::Sqrt3Even);
+        const bool sqrt3 = split == mesh::Split::Sqrt3Odd || split == mesh::Split::Sqrt3Even;
+        mesh::Topology mesh =
+            test::shuffled(test::flipped(shape, *rc::gen::inRange(0, 20), seed), seed).topology();
+        MeshTags tags =
+            !sqrt3 && *rc::gen::arbitrary<bool>() ? test::some_tags(mesh, seed) : MeshTags();
+        if (split == mesh::Split::Sqrt3Even || (!sqrt3 && *rc::gen::arbitrary<bool>())) {
+            const mesh::Split before = sqrt3 ? mesh::Split::Sqrt3Odd : split;
+            mesh::Topology fine = *mesh::refine(mesh, before);
+            tags = refined(tags, mesh, fine, before);
+            mesh = std::move(fine);
+        }
+        expect_plain(Level(std::move(mesh), std::move(tags), split), seed, "families");
+    }));
 }
 
 }  // namespace
