@@ -191,6 +191,14 @@ class Descent {
         return result;
     }
 
+    /// The components seen in some ways, and how far subdivision stays from the points.
+    struct Attempt {
+        std::vector<std::size_t> choice;
+        Found found;
+        Points coarse;
+        std::vector<double> squares;  ///< [component]: of the distances
+    };
+
     /// For each component the way from which subdivision comes nearest.
     Result<Found> choose(const Recognition& recognition, Split split) {
         const std::size_t components = recognition.components();
@@ -198,39 +206,44 @@ class Descent {
         for (std::size_t c = 0; c < components; ++c) most = std::max(most, recognition.ways(c));
         std::vector<std::size_t> best(components, 0);
         std::vector<double> least(components, std::numeric_limits<double>::infinity());
+        std::optional<Attempt> kept;
         for (std::size_t way = 0; most > 1 && !points_.empty() && way < most; ++way) {
             std::vector<std::size_t> choice(components);
             for (std::size_t c = 0; c < components; ++c)
                 choice[c] = std::min(way, recognition.ways(c) - 1);
-            RELIEF_TRY(const std::vector<double> distances,
-                       squared_distances(recognition, split, choice));
+            RELIEF_TRY(Attempt attempt, attempted(recognition, split, std::move(choice)));
             for (std::size_t c = 0; c < components; ++c)
-                if (distances[c] < least[c]) {
-                    least[c] = distances[c];
-                    best[c] = choice[c];
+                if (attempt.squares[c] < least[c]) {
+                    least[c] = attempt.squares[c];
+                    best[c] = attempt.choice[c];
                 }
+            if (best == attempt.choice) kept = std::move(attempt);
         }
-        return found(recognition, split, best);
+        if (!kept || kept->choice != best) return found(recognition, split, best);
+        coarser_points_.push_back(std::move(kept->coarse));
+        return std::move(kept->found);
     }
 
-    /// Of the points from the nearest subdivision, for each component.
-    Result<std::vector<double>> squared_distances(const Recognition& recognition, Split split,
-                                                  const std::vector<std::size_t>& choice) {
-        RELIEF_TRY(const Found way, found(recognition, split, choice));
+    Result<Attempt> attempted(const Recognition& recognition, Split split,
+                              std::vector<std::size_t> choice) {
+        Attempt attempt;
+        RELIEF_TRY(attempt.found, found(recognition, split, choice));
+        const Topology& coarse = attempt.found.unsplit.mesh;
         RELIEF_TRY(const auto points, points_left());
-        RELIEF_TRY(const Ordered fine, ordered(finest_left(), points, way));
-        RELIEF_TRY(const StepRules rules, step_rules(way.unsplit.mesh, way.tags, split));
-        const MeshStep<double> step(way.unsplit.mesh, rules);
-        RELIEF_TRY(const Points c, lifted(step, fine.points, scheme_));
+        RELIEF_TRY(const Ordered fine, ordered(finest_left(), points, attempt.found));
+        RELIEF_TRY(const StepRules rules, step_rules(coarse, attempt.found.tags, split));
+        const MeshStep<double> step(coarse, rules);
+        RELIEF_TRY(attempt.coarse, lifted(step, fine.points, scheme_));
         Points surface(fine.points.size());
-        step.apply(c.data(), surface.data(), surface.data() + c.size());
-        std::vector<double> sums(recognition.components(), 0);
+        step.apply(attempt.coarse.data(), surface.data(), surface.data() + attempt.coarse.size());
+        attempt.squares.assign(recognition.components(), 0);
         for (std::size_t k = 0; k < surface.size(); ++k) {
             const Vec3<double> off = fine.points[k] - surface[k];
-            sums[recognition.parts().of_face[finest_left().face_of(fine.half_edge[k])]] +=
-                dot(off, off);
+            const Index face = finest_left().face_of(fine.half_edge[k]);
+            attempt.squares[recognition.parts().of_face[face]] += dot(off, off);
         }
-        return sums;
+        attempt.choice = std::move(choice);
+        return attempt;
     }
 
     const Topology& mesh_;
