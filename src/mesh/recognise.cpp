@@ -125,6 +125,8 @@ Recognition::Recognition(const Topology& fine, Split split, bool quads_only)
     }
 }
 
+Recognition::~Recognition() = default;
+
 /// Of several conflicts that at the last face is told.
 void Recognition::take_ways(std::size_t component, std::span<const Conflict> conflicts) {
     ways_[component].clear();
@@ -229,7 +231,9 @@ void Recognition::check_coarse_edges(std::size_t way) {
     }
     if (!any) return;
     const Buffer<Label> labels = labels_of(choice);
-    const CoarseFaces coarse = coarse_faces(fine_, split_, labels.data());
+    last_faces_ = std::make_unique<const CoarseFaces>(coarse_faces(fine_, split_, labels.data()));
+    last_ways_ = std::move(choice);
+    const CoarseFaces& coarse = *last_faces_;
     const auto refuse = [&](std::size_t corner) {
         drop(parts_.of_face[fine_.face_of(coarse.fine[corner])], way, kBadCoarse);
     };
@@ -261,10 +265,13 @@ Error Recognition::error() const {
 Result<Unsplit> Recognition::unsplit(const std::vector<std::size_t>& choice) const {
     std::vector<std::size_t> ways(choice.size());
     for (std::size_t c = 0; c < choice.size(); ++c) ways[c] = ways_[c][choice[c]];
-    const Buffer<Label> labels = labels_of(ways);
     Unsplit result;
+    const auto sort_faces = [&](const CoarseFaces& faces) {
+        return sorted(faces, fine_.vertex_count, result.old_vertices);
+    };
     const CoarseFaces coarse =
-        sorted(coarse_faces(fine_, split_, labels.data()), fine_.vertex_count, result.old_vertices);
+        ways == last_ways_ ? sort_faces(*last_faces_)
+                           : sort_faces(coarse_faces(fine_, split_, labels_of(ways).data()));
     RELIEF_TRY(result.mesh, build(coarse.faces, static_cast<Index>(result.old_vertices.size())));
     result.fine = Buffer<Index>(coarse.fine.size());
     std::copy(coarse.fine.begin(), coarse.fine.end(), result.fine.data());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -39,6 +40,7 @@ struct Unsplit {
 /// Whether `build` makes this mesh of its faces. Complexity: O(n).
 [[nodiscard]] bool is_built(const Topology& mesh);
 
+struct CoarseFaces;
 struct Conflict;
 
 /// Ways to see the components of a mesh as split; none for those that are not.
@@ -47,6 +49,7 @@ class Recognition {
     /// `fine` must outlive this. quads_only: Catmull-Clark, the coarser mesh has quads only.
     /// Complexity: O(n).
     Recognition(const Topology& fine, Split split, bool quads_only = false);
+    ~Recognition();
 
     [[nodiscard]] std::size_t components() const { return ways_.size(); }
     /// In how many ways component k is split: at most four. Regular tori have several, and closed
@@ -79,8 +82,10 @@ class Recognition {
     Components parts_;
     std::vector<std::uint8_t> labels_;  ///< [face]: which of its corners are old ones, in all ways
     std::vector<bool> paired_;          ///< [component]: its labels are those of the only way
-    std::vector<std::vector<std::size_t>> ways_;  ///< [component]: those that it has
-    std::vector<std::string> reasons_;            ///< [component]: why it has none
+    std::vector<std::vector<std::size_t>> ways_;     ///< [component]: those that it has
+    std::vector<std::string> reasons_;               ///< [component]: why it has none
+    std::vector<std::size_t> last_ways_;             ///< [component]: those checked last,
+    std::unique_ptr<const CoarseFaces> last_faces_;  ///< and their faces
 };
 
 }  // namespace relief::mesh
