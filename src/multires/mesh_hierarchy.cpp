@@ -92,7 +92,7 @@ Result<MeshMaps> MeshMaps::create(const MeshHierarchy& hierarchy, const MeshTran
 void MeshMaps::analyse_step(int step, Vec3<double>* points, Points& residuals) const {
     const MeshStep<double>& maps = *steps_[static_cast<std::size_t>(step)];
     const std::size_t coarse = maps.coarse_count();
-    Points scratch(hierarchy_->vertices(step + 1));
+    Buffer<Vec3<double>> scratch(coarse);
     residuals.resize(maps.rules().stiff.size());
     maps.analyse(points, residuals.data(), scratch.data());
     lifts_[static_cast<std::size_t>(step)].apply(points + coarse, residuals.data(), scratch.data());
@@ -115,7 +115,7 @@ void MeshMaps::synthesise_step(int step, Vec3<double>* points, const Points& res
 void MeshMaps::synthesise_global(int step, Vec3<double>* points, const Points& residuals) const {
     const MeshStep<double>& maps = *steps_[static_cast<std::size_t>(step)];
     const std::size_t coarse = maps.coarse_count();
-    Points scratch(hierarchy_->vertices(step + 1));
+    Buffer<Vec3<double>> scratch(coarse);
     Points unpacked(packed_ ? maps.rules().stiff.size() : 0);
     if (packed_) unpack_residuals(maps, points + coarse, unpacked.data());
     const Points& stiff = packed_ ? unpacked : residuals;

@@ -72,9 +72,9 @@ struct MeshOrigin {
 };
 
 /// Goes down as many steps as the mesh has and `most` allows. Where components can be seen as split
-/// in several ways, the way is taken from which subdivision comes nearest to the points. tags: of
-/// the mesh. Errors: BadInput no_subdivision_connectivity; those of step_rules.
-/// Complexity: O(n).
+/// in several ways, the way is taken from which subdivision comes nearest to the points; but a mesh
+/// that has the numbers of subdivision is seen as these say. tags: of the mesh. Errors: BadInput
+/// no_subdivision_connectivity; those of step_rules. Complexity: O(n).
 [[nodiscard]] Result<MeshOrigin> origin_of(const mesh::Topology& mesh,
                                            std::span<const Vec3<double>> points,
                                            const MeshTags& tags, MeshScheme scheme, int most);
