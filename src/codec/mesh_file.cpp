@@ -170,7 +170,8 @@ Result<MeshPoints> MeshFile::State::points(const MeshSynthesis& synthesis, int d
         RELIEF_TRY(const QuantisedStep coded, details.decode_next(chunk));
         const MeshQuantisation& q = header.quantisation;
         if (moves.empty()) {
-            synthesis.refine(q, header.levels, step, coded, points);
+            const multires::DetailFrames frames(synthesis.hierarchy(), step, points.data());
+            synthesis.refine(q, header.levels, step, coded, frames, points);
             continue;
         }
         synthesis.refine_moved(q, header.levels, step, coded, points, moved);
@@ -310,6 +311,9 @@ double MeshFile::step() const {
 }
 mesh::MeshCounts MeshFile::counts(int level) const {
     return state_->counts(state_->depth(level));
+}
+MeshDistance MeshFile::distance() const {
+    return state_->header.distance;
 }
 double MeshFile::max_error() const {
     return state_->header.max_error;

@@ -28,6 +28,8 @@ constexpr std::array<std::pair<LiftKind, const char*>, 4> kLifts = {
      {LiftKind::Chebyshev, "chebyshev"},
      {LiftKind::LeastSquares, "least-squares"}}};
 
+constexpr std::array<const char*, 2> kDistances = {"vertices", "surface"};
+
 Json scheme_json(const MeshHeader& header) {
     Json json{{"name", multires::mesh_scheme_name(header.spec.scheme)}, {"levels", header.levels}};
     if (header.spec.first_even) json["first_even"] = true;
@@ -147,7 +149,22 @@ Status read_extras(JsonReader& reader, MeshHeader& header) {
     return reader.status();
 }
 
+Status read_distance(JsonReader& reader, MeshDistance& distance) {
+    const auto name = reader.get<std::string>("distance", kDistances[0]);
+    RELIEF_CHECK(reader.status());
+    const auto found = std::find(kDistances.begin(), kDistances.end(), name);
+    if (found == kDistances.end())
+        return Error{ErrorCode::Unsupported,
+                     "errors by '" + name + "' are of a newer version of relief", "header"};
+    distance = static_cast<MeshDistance>(found - kDistances.begin());
+    return {};
+}
+
 }  // namespace
+
+const char* mesh_distance_name(MeshDistance distance) {
+    return kDistances[static_cast<std::size_t>(distance)];
+}
 
 std::string write_mesh_header(const MeshHeader& header) {
     Json json{{"content", kMeshContent},       {"vertices", header.base_vertices},
@@ -156,6 +173,8 @@ std::string write_mesh_header(const MeshHeader& header) {
               {"goal", goal_json(header.goal)}};
     if (Json error = error_json(header.max_error, header.rms_error, header.goal); !error.empty())
         json["error"] = std::move(error);
+    if (header.distance != MeshDistance::Vertices)
+        json["distance"] = mesh_distance_name(header.distance);
     if (header.lattice) json["values"] = lattice_json(*header.lattice);
     for (const AttributeHeader& attribute : header.attributes)
         json["attributes"].push_back(attribute_json(attribute));
@@ -184,6 +203,7 @@ Result<MeshHeader> read_mesh_header(const std::string& text) {
     header.rms_error = error.get("rms", 0.0);
     RELIEF_CHECK(error.status());
     RELIEF_CHECK(read_goal(reader.object("goal"), header.goal));
+    RELIEF_CHECK(read_distance(reader, header.distance));
     RELIEF_CHECK(reader.status());
     if (header.base_vertices > kMostElements || header.base_faces > kMostElements ||
         (header.sides != 0 && header.sides != 3 && header.sides != 4))

@@ -50,6 +50,7 @@ struct MeshHeader {
     MeshQuantisation quantisation;
     std::optional<ValueLattice> lattice;  ///< of which all coordinates are; lossless files
     Goal goal;
+    MeshDistance distance = MeshDistance::Vertices;
     double max_error = 0;
     double rms_error = 0;
     std::vector<AttributeHeader> attributes;

@@ -211,6 +211,7 @@ Result<MeshSource> prepare_mesh(const PolygonMesh& mesh, const MeshEncodeOptions
     header.base_vertices = origin.base.vertex_count;
     header.base_faces = origin.base.face_count;
     header.goal = options.goal;
+    header.distance = options.distance;
     header.attributes = attribute_headers(mesh);
     for (const FaceLabels& labels : mesh.labels)
         header.labels.push_back({labels.keyword, labels.names, {}});

@@ -10,12 +10,11 @@ namespace {
 using multires::DetailFrames;
 using multires::MeshFrame;
 
-/// Below this part of a step, details become zero; others are so much smaller than their integer.
-constexpr double kRounding = 0.42;
+/// Details are so much smaller than their integer.
 constexpr double kShrink = 0.024;
 
-std::int64_t quotient(double x, double step) {
-    const double size = std::min(std::floor(std::abs(x) / step + kRounding), kLargestQuotient);
+std::int64_t quotient(double x, double step, double rounding) {
+    const double size = std::min(std::floor(std::abs(x) / step + rounding), kLargestQuotient);
     return static_cast<std::int64_t>(x < 0 ? -size : size);
 }
 
@@ -68,9 +67,10 @@ GridPoint base_grid_point(const MeshQuantisation& q, int steps, const Vec3<doubl
     return {nearest(p.x, q.origin[0]), nearest(p.y, q.origin[1]), nearest(p.z, q.origin[2])};
 }
 
-QuantisedDetail quantised(const Vec3<double>& local, double step, double tangential) {
-    return {quotient(local.x, tangential * step), quotient(local.y, tangential * step),
-            quotient(local.z, step)};
+QuantisedDetail quantised(const Vec3<double>& local, double step, double tangential,
+                          double rounding) {
+    return {quotient(local.x, tangential * step, rounding),
+            quotient(local.y, tangential * step, rounding), quotient(local.z, step, rounding)};
 }
 
 Vec3<double> reconstructed(const QuantisedDetail& q, double step, double tangential) {
@@ -96,9 +96,10 @@ Result<MeshSynthesis> MeshSynthesis::create(mesh::Topology base, multires::MeshT
 }
 
 void MeshSynthesis::refine(const MeshQuantisation& q, int steps, int step,
-                           const QuantisedStep& details, MeshPoints& points) const {
+                           const QuantisedStep& details, const DetailFrames& frames,
+                           MeshPoints& points) const {
     Local local = local_details(q, steps, step, details);
-    DetailFrames(*hierarchy_, step, points.data()).out(local.fresh.data(), local.stiff);
+    frames.out(local.fresh.data(), local.stiff);
     points.insert(points.end(), local.fresh.begin(), local.fresh.end());
     maps_->synthesise_global(step, points.data(), local.stiff);
 }
@@ -113,7 +114,7 @@ void MeshSynthesis::refine_moved(const MeshQuantisation& q, int steps, int step,
     turn_and_grow(before.stiff(), after.stiff(), local.stiff);
     moved.insert(moved.end(), local.fresh.begin(), local.fresh.end());
     maps_->synthesise_global(step, moved.data(), local.stiff);
-    refine(q, steps, step, details, points);
+    refine(q, steps, step, details, before, points);
 }
 
 }  // namespace relief::codec

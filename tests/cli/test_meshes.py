@@ -9,10 +9,12 @@ import numpy as np
 from harness import DATA, Case, contents_of, main
 
 ENCODE_KEYS = ("scheme order levels samples coefficients kept bytes bits_per_sample max_error rms_error "
-               "energy_percent bound faces base_vertices base_faces lost_creases seconds").split()
+               "energy_percent bound faces base_vertices base_faces lost_creases distance seconds").split()
 
 CUBE = ([(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)],
         [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)])
+GRID = ([(x, y, 0) for y in range(3) for x in range(3)],
+        [(v, v + 1, v + 4, v + 3) for v in (0, 1, 3, 4)])
 OCTAHEDRON = ([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)],
               [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)])
 
@@ -164,6 +166,21 @@ class RoundTrips(Meshes):
         self.refuse(1, "encode", broken, self.path("x.relief"), says="--repair")
         _, report = self.encoded(broken, "--repair", "--max-error", 1e-6)
         self.assertEqual((report["samples"], report["levels"]), (len(vertices), 2))
+
+    def test_distances_of_surfaces(self):
+        source = self.subdivided(OCTAHEDRON, "loop", 4, noise=0.002)
+        _, plain = self.encoded(source, "--rms-error", 0.001)
+        for goal, key in (("--max-error", "max_error"), ("--rms-error", "rms_error")):
+            file, report = self.encoded(source, goal, 0.001, "--surface")
+            self.assertEqual(report["distance"], "surface")
+            self.assertLessEqual(report[key], 0.001)
+            compared = self.json("compare", source, file, "--surface")
+            for number in ("max_error", "rms_error"):  # the same points are measured
+                self.assertAlmostEqual(compared[number], report[number], delta=1e-15)
+                self.assertAlmostEqual(self.json("info", file)[number] / report[number], 1, delta=1e-3)
+            self.assertEqual(self.json("info", file)["distance"], "surface")
+        self.assertLess(report["bytes"], 0.9 * plain["bytes"])
+        self.refuse(2, "encode", self.mesh(GRID), self.path("x.relief"), "--surface", says="--surface")
 
     def test_reorder(self):
         vertices, faces = read_obj(self.subdivided(OCTAHEDRON, "loop", 4, noise=0.001))

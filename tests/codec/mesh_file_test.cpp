@@ -4,6 +4,7 @@
 
 #include "../fuzz/meshes.h"
 #include "relief/codec/mesh_codec.h"
+#include "relief/mesh/closest.h"
 #include "relief/multires/subdivide.h"
 #include "shapes.h"
 #include "support.h"
@@ -158,6 +159,40 @@ TEST(MeshFile, RmsAndByteGoals) {
     const auto none = encode_mesh(cases(0)[0].mesh, {.goal = {Kind::Bytes, 60}});
     ASSERT_FALSE(none.ok());
     EXPECT_NE(none.error().text().find("no file is that small"), std::string::npos);
+}
+
+/// What is promised of surfaces is what mesh::surface_distance measures, and takes less.
+TEST(MeshFile, DistancesOfSurfaces) {
+    for (const Case& c : cases(0.01)) {
+        if (c.name != "loop" && c.name != "quads" && c.name != "sqrt3 holes") continue;
+        for (const bool mixed : {false, true}) {
+            const PolygonMesh mesh = mixed ? shuffled(c.mesh, 3) : c.mesh;
+            for (const Goal& goal : {Goal{Kind::RmsError, 1e-3}, Goal{Kind::MaxError, 3e-3}}) {
+                MeshEncodeOptions options{.goal = goal, .distance = MeshDistance::Surface};
+                const auto encoded = encode_mesh(mesh, options);
+                ASSERT_TRUE(encoded.ok()) << c.name << " " << encoded.error().text();
+                const MeshFile file = *MeshFile::open(encoded->bytes);
+                EXPECT_EQ(file.distance(), MeshDistance::Surface);
+                const auto distance = *mesh::surface_distance(mesh, *file.decode(0));
+                EXPECT_EQ(distance.largest(), encoded->report.max_error) << c.name;
+                EXPECT_EQ(distance.rms(), encoded->report.rms_error) << c.name;
+                // Headers have four digits.
+                EXPECT_NEAR(distance.rms(), file.rms_error(), 1e-3 * distance.rms()) << c.name;
+                EXPECT_LE(distance.largest(), file.max_error()) << c.name;
+                const bool rms = goal.kind == Kind::RmsError;
+                EXPECT_LE(rms ? distance.rms() : distance.largest(), goal.value) << c.name;
+                options.distance = MeshDistance::Vertices;
+                if (rms) {
+                    EXPECT_LT(encoded->bytes.size(), encode_mesh(mesh, options)->bytes.size());
+                }
+            }
+        }
+    }
+    PolygonMesh large = cases(0)[0].mesh;
+    for (auto& v : large.vertices) v[0] *= 1e80;
+    const auto refused = encode_mesh(large, {.distance = MeshDistance::Surface});
+    ASSERT_FALSE(refused.ok());
+    EXPECT_NE(refused.error().text().find("at most 1e75"), std::string::npos);
 }
 
 /// A pure subdivision surface takes hardly more than its base.
