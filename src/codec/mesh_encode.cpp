@@ -60,11 +60,6 @@ class Encoder {
         lattice_ = ValueLattice::exact(all);
         for (const auto& v : mesh.vertices)
             for (const double x : v) largest_ = std::max(largest_, std::abs(x));
-        Vec3<double> sum;
-        for (std::size_t v = 0; v < base_count(); ++v) sum += exact_.points[v];
-        const Vec3<double> centre = 1 / static_cast<double>(base_count()) * sum;
-        // Any grid will do; a short origin makes a short header.
-        origin_ = {rounded(centre.x, 4), rounded(centre.y, 4), rounded(centre.z, 4)};
     }
 
     Result<EncodedMesh> run() {
@@ -129,9 +124,8 @@ class Encoder {
         const double least =
             std::max(largest_ * 0x1p-44, 1e-280) * std::pow(weights.gain, levels());
         q.step = rounded(std::clamp(step, least, 1e290), 4);
-        q.gain = weights.gain;
-        q.tangential = weights.tangential;
-        q.origin = origin_;
+        q.gain = rounded(weights.gain, 4);
+        q.tangential = rounded(weights.tangential, 3);
         return q;
     }
 
@@ -474,7 +468,6 @@ class Encoder {
     MeshCoefficients exact_;
     ValueLattice lattice_;
     double largest_ = 0;
-    std::array<double, 3> origin_{};
     mutable std::vector<Bytes> extras_;
     double done_ = 0;
 };

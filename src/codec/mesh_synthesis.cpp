@@ -53,18 +53,17 @@ void turn_and_grow(const std::vector<MeshFrame>& before, const std::vector<MeshF
 
 Vec3<double> base_point(const MeshQuantisation& q, int steps, const GridPoint& p) {
     const double step = q.base_step(steps);
-    return {q.origin[0] + step * static_cast<double>(p[0]),
-            q.origin[1] + step * static_cast<double>(p[1]),
-            q.origin[2] + step * static_cast<double>(p[2])};
+    return {step * static_cast<double>(p[0]), step * static_cast<double>(p[1]),
+            step * static_cast<double>(p[2])};
 }
 
 GridPoint base_grid_point(const MeshQuantisation& q, int steps, const Vec3<double>& p) {
     const double step = q.base_step(steps);
-    const auto nearest = [&](double x, double origin) {
-        const double place = std::nearbyint((x - origin) / step);
+    const auto nearest = [&](double x) {
+        const double place = std::nearbyint(x / step);
         return static_cast<std::int64_t>(std::clamp(place, -kLargestQuotient, kLargestQuotient));
     };
-    return {nearest(p.x, q.origin[0]), nearest(p.y, q.origin[1]), nearest(p.z, q.origin[2])};
+    return {nearest(p.x), nearest(p.y), nearest(p.z)};
 }
 
 QuantisedDetail quantised(const Vec3<double>& local, double step, double tangential,
