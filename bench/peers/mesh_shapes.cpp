@@ -45,24 +45,19 @@ Base icosahedron() {
     return base;
 }
 
-/// A cube, each of whose faces is four quads.
 Base cube() {
-    multires::SubdividedMesh<double> mesh;
-    mesh::FaceList faces;
+    Base base;
     for (const auto& face : {std::array<Index, 4>{0, 2, 3, 1},
                              {4, 5, 7, 6},
                              {0, 1, 5, 4},
                              {2, 6, 7, 3},
                              {0, 4, 6, 2},
                              {1, 3, 7, 5}})
-        faces.add(face);
-    mesh.mesh = *mesh::build(faces, 8);
-    Points& points = mesh.arrays.emplace_back();
+        base.faces.add(face);
     for (const double z : {-1.0, 1.0})
         for (const double y : {-1.0, 1.0})
-            for (const double x : {-1.0, 1.0}) points.push_back({x, y, z});
-    mesh = *multires::subdivide(std::move(mesh), {.scheme = MeshScheme::CatmullClark}, 1);
-    return {mesh::faces_of(mesh.mesh), mesh.arrays[0]};
+            for (const double x : {-1.0, 1.0}) base.points.push_back({x, y, z});
+    return base;
 }
 
 PolygonMesh polygons(const mesh::Topology& mesh, const Points& points) {
@@ -142,7 +137,7 @@ PolygonMesh wavy_sphere(int steps, double noise) {
 std::vector<NamedMesh> exact_surfaces() {
     return {{"Loop surface", surface(icosahedron(), MeshScheme::Loop, 5)},
             {"sqrt(3) surface", surface(icosahedron(), MeshScheme::Sqrt3, 6)},
-            {"Catmull-Clark surface", surface(cube(), MeshScheme::CatmullClark, 5)}};
+            {"Catmull-Clark surface", surface(cube(), MeshScheme::CatmullClark, 6)}};
 }
 
 }  // namespace relief::peers

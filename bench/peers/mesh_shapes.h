@@ -17,7 +17,7 @@ struct NamedMesh {
 /// of six lengths, and moved by as much noise along the radius.
 [[nodiscard]] PolygonMesh wavy_sphere(int steps, double noise);
 
-/// Subdivision surfaces of all three schemes over bases of 12 to 26 vertices.
+/// Subdivision surfaces of all three schemes over bases of 12 and 8 vertices.
 [[nodiscard]] std::vector<NamedMesh> exact_surfaces();
 
 }  // namespace relief::peers

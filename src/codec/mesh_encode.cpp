@@ -370,7 +370,7 @@ class Encoder {
             extras_.resize(chunks.size());
             const MeshChunks numbers{levels()};
             extras_[MeshChunks::kTags] = write_tags(source_.tags);
-            extras_[numbers.order()] = write_order(source_.order, source_.sides);
+            extras_[numbers.order()] = write_order(source_.order, hierarchy());
             extras_[numbers.attributes()] =
                 write_attributes(mesh_, source_.header.attributes, hierarchy(), source_.order);
             extras_[numbers.labels()] = write_labels(mesh_, source_.order, source_.sides);
@@ -484,17 +484,44 @@ Status check_goal(const Goal& goal) {
     return {};
 }
 
+Result<EncodedMesh> encode_as(const PolygonMesh& mesh, multires::MeshScheme scheme,
+                              const MeshEncodeOptions& options) {
+    RELIEF_TRY(MeshSource source, prepare_mesh(mesh, scheme, options));
+    if (options.keep_order) return Encoder(mesh, options, std::move(source)).run();
+    const PolygonMesh ordered = reordered(mesh, source.order, source.sides);
+    source.order = same_order(source.hierarchy().topology(source.header.levels));
+    return Encoder(ordered, options, std::move(source)).run();
+}
+
+std::vector<multires::MeshScheme> schemes_for(const PolygonMesh& mesh) {
+    using multires::MeshScheme;
+    for (std::int64_t f = 0; f < mesh.polygon_count(); ++f)
+        if (mesh.polygon(f).size() != 3) return {MeshScheme::CatmullClark};
+    return {MeshScheme::Loop, MeshScheme::Sqrt3};
+}
+
+/// What the goal leaves open is smaller.
+bool is_better(const EncodedMesh& a, const EncodedMesh& b, const Goal& goal) {
+    if (goal.kind == Kind::Bytes || goal.kind == Kind::Keep)
+        return a.report.rms_error < b.report.rms_error;
+    return a.bytes.size() < b.bytes.size();
+}
+
 }  // namespace
 
 Result<EncodedMesh> encode_mesh(const PolygonMesh& mesh, const MeshEncodeOptions& options) {
     RELIEF_CHECK(check_goal(options.goal));
-    RELIEF_TRY(MeshSource source, prepare_mesh(mesh, options));
-    if (options.keep_order) return Encoder(mesh, options, std::move(source)).run();
-    const PolygonMesh ordered = reordered(mesh, source.order, source.sides);
-    for (Index v = 0; v < source.order.vertices.size(); ++v) source.order.vertices[v] = v;
-    for (Index f = 0; f < source.order.corners.size(); ++f)
-        source.order.corners[f] = source.sides * f;
-    return Encoder(ordered, options, std::move(source)).run();
+    RELIEF_CHECK(check(mesh));
+    if (options.scheme) return encode_as(mesh, *options.scheme, options);
+    std::optional<Result<EncodedMesh>> best;
+    for (const multires::MeshScheme scheme : schemes_for(mesh)) {
+        Result<EncodedMesh> encoded = encode_as(mesh, scheme, options);
+        if (!encoded.ok() && encoded.error().code == ErrorCode::Cancelled) return encoded;
+        const bool first = !best || !best->ok();
+        if (!best || (encoded.ok() && (first || is_better(*encoded, **best, options.goal))))
+            best = std::move(encoded);
+    }
+    return *std::move(best);
 }
 
 }  // namespace relief::codec

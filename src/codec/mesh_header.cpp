@@ -65,7 +65,7 @@ Status read_scheme(const Json& json, MeshHeader& header) {
             "the scheme '" + name + "' with lift '" + lift + "' is of a newer version of relief",
             "header"};
     header.lift = found->first;
-    if (header.levels < 0 || header.levels > kMostLevels)
+    if (header.levels < 1 || header.levels > kMostLevels)
         return bad_header("the number of levels is out of range");
     if (header.spec.alpha && !(*header.spec.alpha >= 0 && *header.spec.alpha < 2.0 / 3))
         return bad_header("alpha is out of range");

@@ -33,7 +33,7 @@ struct MeshEncodeOptions {
     /// What max-error and rms-error mean, and what is reported. By surface, files are smaller:
     /// places of vertices along it count for little.
     MeshDistance distance = MeshDistance::Vertices;
-    /// None: what the mesh has the most levels of.
+    /// None: what makes the smallest file, or the smallest error.
     std::optional<multires::MeshScheme> scheme = {};
     int levels = -1;                   ///< at most; -1: as many as the mesh has
     std::optional<double> alpha = {};  ///< sqrt(3): StepOptions
@@ -132,9 +132,13 @@ class MeshFile {
     /// Largest error; none if edited, or for other levels than 0.
     [[nodiscard]] std::optional<double> bound(int level) const;
 
-    /// The mesh of a level, with its attributes and creases; level 0 is numbered as what was
-    /// encoded, others as mesh::refine does. Errors: InvalidArgument for a level that the file does
-    /// not have; BadFile. Complexity: O(n) of the finest level that is decoded.
+    /// The mesh of a level, with its attributes, labels and creases; level 0 is numbered as what
+    /// was encoded, others as mesh::refine does. At coarser levels vertices have the attributes of
+    /// the vertices that they became; Loop and Catmull-Clark corners those of the finest corners
+    /// there, faces the labels of the finest faces at their first corners; and of a prefix that
+    /// ends before the attributes there are none. Errors: InvalidArgument for a level that the file
+    /// does not have; BadFile. Complexity: O(n) of the finest level that is decoded; of all with
+    /// attributes.
     [[nodiscard]] Result<PolygonMesh> decode(int level) const;
 
   private:
