@@ -73,6 +73,35 @@ class Subdivide(Meshes):
         ring = vertices[np.isclose(vertices[:, 2], -1)]
         self.assertGreater(len(ring), 30)  # the crease and what is between stay in the plane
 
+    def test_texture_places_keep_their_seams(self):
+        path = self.path("uv.obj")
+        with open(path, "w", encoding="ascii") as file:  # a square for each face: seams everywhere
+            file.writelines("v {} {} {}\n".format(*v) for v in CUBE[0])
+            file.writelines(f"vt {k + u} {v}\n" for k in range(6) for u, v in ((0, 0), (1, 0), (1, 1), (0, 1)))
+            for k, face in enumerate(CUBE[1]):
+                file.write(f"usemtl m{k}\nf " + " ".join(f"{v + 1}/{4 * k + c + 1}" for c, v in enumerate(face)) + "\n")
+        fine = self.path("fine_uv.obj")
+        report = self.json("subdivide", path, fine, "--scheme", "catmull-clark", "--levels", 2)
+        self.assertEqual(report["left_out"], [])
+        lines = contents_of(fine).decode().splitlines()
+        places = np.array([list(map(float, l.split()[1:3])) for l in lines if l.startswith("vt ")])
+        self.assertEqual(len(places), 6 * 25)  # none is shared by two faces of the cube
+        self.assertEqual(sorted({*(places % 0.25).ravel()}), [0])
+        material, faces = None, 0
+        for words in map(str.split, lines):
+            if words[:1] == ["usemtl"]:
+                material = int(words[1][1:])
+            elif words[:1] == ["f"]:
+                u = [places[int(w.split("/")[1]) - 1][0] for w in words[1:]]
+                self.assertTrue(material <= min(u) and max(u) <= material + 1)
+                faces += 1
+        self.assertEqual(faces, 96)
+        source = self.path("coarse.relief")  # and back to a coarser level
+        self.json("encode", fine, source, "--max-error", 0.001)
+        self.json("decode", source, path, "--level", 1)
+        places = {tuple(map(float, l.split()[1:3])) for l in contents_of(path).decode().splitlines() if l.startswith("vt ")}
+        self.assertEqual(places, {(k + u / 2, v / 2) for k in range(6) for u in range(3) for v in range(3)})
+
     def test_bad_requests(self):
         self.refuse(1, "subdivide", self.mesh(CUBE), self.path("x.obj"), "--scheme", "loop",
                     says="not_triangles")
@@ -191,6 +220,19 @@ class RoundTrips(Meshes):
         _, kept = self.encoded(source, "--max-error", 0.001)
         _, free = self.encoded(source, "--max-error", 0.001, "--reorder")
         self.assertLess(2 * free["bytes"], kept["bytes"])
+
+    def test_orders_by_rule_cost_little(self):
+        vertices, faces = read_obj(self.subdivided(OCTAHEDRON, "loop", 4, noise=0.001))
+        number = {}  # as faces name them first, and every face begins elsewhere
+        for face in faces:
+            for v in face[1:] + face[:1]:
+                number.setdefault(v, len(number))
+        turned = [[number[v] for v in face[1:] + face[:1]] for face in faces]
+        source = self.mesh((vertices[sorted(number, key=number.get)].tolist(), turned), "n.obj")
+        file, kept = self.encoded(source, "--max-error", 0.001)
+        self.assertFalse(self.json("compare", source, file)["faces_differ"])
+        _, free = self.encoded(source, "--max-error", 0.001, "--reorder")
+        self.assertLess(kept["bytes"] - free["bytes"], 100)
 
 
 class Files(Meshes):

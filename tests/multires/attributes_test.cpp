@@ -13,7 +13,8 @@ using mesh::Split;
 /// An element for each vertex: no seams.
 CornerValues joined(const mesh::Topology& mesh, const std::vector<double>& values) {
     CornerValues corners{1, values, {}};
-    for (const Index v : mesh.origin) corners.of_corner.push_back(static_cast<std::int32_t>(v));
+    for (Index h = 0; h < mesh.half_edge_count(); ++h)
+        corners.of_corner.push_back(static_cast<std::int32_t>(mesh.origin[h]));
     return corners;
 }
 
