@@ -29,6 +29,7 @@ struct MeshEncodeVerb {
     std::string in;
     std::string out;
     codec::Goal goal;
+    codec::MeshDistance distance = codec::MeshDistance::Vertices;
     bool reorder = false;
     bool repair = false;
     std::optional<double> alpha = {};

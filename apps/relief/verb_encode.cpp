@@ -17,6 +17,7 @@ struct Encode {
     bool lossless = false;
     int effort = 1;
     std::string profile = "dense";
+    bool surface = false;
     bool reorder = false;
     bool repair = false;
     std::optional<double> alpha;
@@ -71,9 +72,28 @@ Json json_of(const codec::EncodeReport& report, const std::string& profile, doub
     return json;
 }
 
-Status check_no_lift(const Encode& options) {
-    if (!options.alpha && options.lift.empty()) return {};
-    return Error{ErrorCode::InvalidArgument, "--alpha and --lift are for subdivision surfaces", ""};
+MeshEncodeVerb mesh_verb(const Encode& options, const codec::Goal& goal) {
+    using codec::MeshDistance;
+    return {options.in,
+            options.out,
+            goal,
+            options.surface ? MeshDistance::Surface : MeshDistance::Vertices,
+            options.reorder,
+            options.repair,
+            options.alpha,
+            options.lift};
+}
+
+/// Options that only subdivision surfaces have.
+Status check_no_mesh_options(const Encode& options) {
+    const auto refuse = [](const char* why) { return Error{ErrorCode::InvalidArgument, why, ""}; };
+    if (options.alpha || !options.lift.empty())
+        return refuse("--alpha and --lift are for subdivision surfaces");
+    if (options.surface)
+        return refuse(
+            "--surface is for subdivision surfaces; rasters and quads over the plane are measured "
+            "sample by sample");
+    return {};
 }
 
 Result<Outcome> run(const Encode& options, const Globals& globals) {
@@ -83,13 +103,11 @@ Result<Outcome> run(const Encode& options, const Globals& globals) {
     if (is_mesh(options.in)) {
         RELIEF_TRY(const bool subdivision, is_subdivision(options.in, options.scheme));
         if (subdivision)
-            return encode_mesh({options.in, options.out, encode.goal, options.reorder,
-                                options.repair, options.alpha, options.lift},
-                               options.scheme, globals);
-        RELIEF_CHECK(check_no_lift(options));
+            return encode_mesh(mesh_verb(options, encode.goal), options.scheme, globals);
+        RELIEF_CHECK(check_no_mesh_options(options));
         return encode_quads(options.in, options.out, options.scheme, encode.goal);
     }
-    RELIEF_CHECK(check_no_lift(options));
+    RELIEF_CHECK(check_no_mesh_options(options));
     RELIEF_TRY(encode.spec, options.scheme.spec());
     encode.effort = static_cast<codec::Effort>(options.effort);
     encode.progress = progress_bar(globals, "encoding");
@@ -143,6 +161,10 @@ void add_encode(Program& program) {
             "--profile", options->profile,
             "of scheme fvs: dense (default), or fast: several times the speed, about 8 % larger")
         ->check(CLI::IsMember({"fast", "dense"}));
+    verb->add_flag("--surface", options->surface,
+                   "meshes: errors are distances of the surfaces, both ways, and files smaller. "
+                   "--max-error then holds for all vertices of both and for 60000 points spread "
+                   "evenly over each; --rms-error is that of these points");
     verb->add_flag("--reorder", options->reorder,
                    "meshes: vertices and faces in the order of subdivision, which takes less");
     std::vector<std::string> lifts;
