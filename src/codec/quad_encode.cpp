@@ -271,20 +271,6 @@ ValueLattice steps_of(double step) {
     return {.kind = ValueLattice::Kind::Step, .step = step};
 }
 
-/// The lattice for a largest error, which also holds after rounding to doubles.
-ValueLattice lattice_within(const std::vector<double>& heights, double tolerance) {
-    const ValueLattice exact = ValueLattice::exact(heights);
-    double aim = tolerance;
-    for (int k = 0; k < 8 && aim > 0; ++k, aim *= 0.999) {
-        const ValueLattice lattice = exact.within(aim);
-        if (lattice.kind == ValueLattice::Kind::Decimal && lattice.multiple == 1) break;
-        if (lattice.step > 0 &&
-            errors_between(heights, on_lattice(heights, lattice)).max <= tolerance)
-            return lattice;
-    }
-    return exact;
-}
-
 ValueLattice lattice_for_rms(const std::vector<double>& heights, double target) {
     const double longest = longest_step(heights);
     if (!(target > 0) || !(longest > target)) return ValueLattice::exact(heights);

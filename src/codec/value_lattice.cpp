@@ -118,4 +118,18 @@ std::int64_t ValueLattice::nearest(double value) const {
     }
 }
 
+ValueLattice lattice_within(std::span<const double> values, double tolerance) {
+    const ValueLattice exact = ValueLattice::exact(values);
+    double aim = tolerance;
+    for (int k = 0; k < 8 && aim > 0; ++k, aim *= 0.999) {
+        const ValueLattice lattice = exact.within(aim);
+        if (lattice.kind == ValueLattice::Kind::Decimal && lattice.multiple == 1) break;
+        const bool holds = std::all_of(values.begin(), values.end(), [&](double value) {
+            return std::abs(value - lattice.value(lattice.nearest(value))) <= tolerance;
+        });
+        if (lattice.step > 0 && holds) return lattice;
+    }
+    return exact;
+}
+
 }  // namespace relief::codec

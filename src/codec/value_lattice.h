@@ -43,4 +43,8 @@ struct ValueLattice {
     [[nodiscard]] std::int64_t nearest(double value) const;
 };
 
+/// The coarsest lattice that has a value within `tolerance` of each of these, also after rounding
+/// to doubles; that of the values themselves if there is no coarser one. Complexity: O(values).
+[[nodiscard]] ValueLattice lattice_within(std::span<const double> values, double tolerance);
+
 }  // namespace relief::codec

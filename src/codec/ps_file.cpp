@@ -1,0 +1,333 @@
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "codec/ps_chunks.h"
+#include "codec/quad_chunks.h"
+#include "relief/codec/container.h"
+
+namespace relief::codec {
+
+namespace ps = multires::ps;
+using mesh::Index;
+
+namespace {
+
+constexpr double kLargestMove = 1e150;
+
+Error bad_file(std::string what, std::string where) {
+    return {ErrorCode::BadFile, std::move(what), std::move(where)};
+}
+
+/// What is wrong with data that came from a file is wrong with the file.
+template <class T>
+Result<T> of_file(Result<T> result, const char* where) {
+    if (result.ok()) return result;
+    return bad_file(result.error().text() + "; the file is damaged", where);
+}
+
+Error bad_argument(std::string message) {
+    return {ErrorCode::InvalidArgument, std::move(message), ""};
+}
+
+}  // namespace
+
+struct PsFile::State {
+    ContainerReader container;
+    PsHeader header;
+    mesh::Triangulation base;
+    std::vector<PsMove> moves;
+
+    [[nodiscard]] PsChunks chunks() const { return {header.levels}; }
+    /// How often the base is refined at a level.
+    [[nodiscard]] int refined(int level) const { return header.levels - level; }
+    [[nodiscard]] std::size_t components() const {
+        return static_cast<std::size_t>(header.components);
+    }
+
+    [[nodiscard]] Status check_sizes() const;
+    [[nodiscard]] Status check_finest() const;
+    [[nodiscard]] Status check_level(int level) const;
+    [[nodiscard]] Status check_complete(int level) const;
+    [[nodiscard]] Status check_moves(const std::vector<PsMove>& some) const;
+    [[nodiscard]] Result<VertexValues> values() const;
+    [[nodiscard]] Result<LevelHeights> decoded(const ps::Hierarchy& hierarchy) const;
+    [[nodiscard]] ps::Coefficients risen(const ps::Hierarchy& hierarchy, int component) const;
+};
+
+Status PsFile::State::check_sizes() const {
+    if (container.chunks().size() != chunks().count())
+        return bad_file("the header calls for " + std::to_string(chunks().count()) +
+                            " chunks, the file has " + std::to_string(container.chunks().size()),
+                        "directory");
+    if (is_plausible(header.base.vertices, container.complete_size()) &&
+        header.base.triangles <= 2 * header.base.vertices)
+        return {};
+    return bad_file("claims a mesh of " + std::to_string(header.base.vertices) +
+                        " vertices, for which the file is too small",
+                    "header");
+}
+
+Status PsFile::State::check_finest() const {
+    const std::uint64_t vertices = level_counts(base, header.levels).vertices;
+    if (is_plausible(vertices, container.complete_size())) return {};
+    return bad_file("claims levels of " + std::to_string(vertices) +
+                        " vertices, for which the file is too small",
+                    "header");
+}
+
+Status PsFile::State::check_level(int level) const {
+    if (level >= 0 && level <= header.levels) return {};
+    return bad_argument("there is no level " + std::to_string(level) +
+                        "; the file has levels 0 to " + std::to_string(header.levels));
+}
+
+Status PsFile::State::check_moves(const std::vector<PsMove>& some) const {
+    for (const PsMove& move : some) {
+        RELIEF_CHECK(check_level(move.level));
+        const std::uint64_t vertices = level_counts(base, refined(move.level)).vertices;
+        if (move.vertex >= vertices)
+            return bad_argument("vertex " + std::to_string(move.vertex) +
+                                " does not exist at level " + std::to_string(move.level) +
+                                "; it has vertices 0 to " + std::to_string(vertices - 1));
+        if (move.component < 0 || move.component >= header.components)
+            return bad_argument("there is no component " + std::to_string(move.component) +
+                                "; the file has components 0 to " +
+                                std::to_string(header.components - 1));
+        for (const double number : {move.rise, move.tilt.x, move.tilt.y})
+            if (!(std::abs(number) <= kLargestMove))
+                return bad_argument("a move must be numbers of at most 1e150");
+    }
+    return {};
+}
+
+Result<VertexValues> PsFile::State::values() const {
+    RELIEF_TRY(const Bytes chunk, container.chunk(PsChunks::level(0)));
+    return decode_ps_values(base, header.lattices, chunk);
+}
+
+/// The splines of the finest level of `hierarchy`, before moves.
+Result<LevelHeights> PsFile::State::decoded(const ps::Hierarchy& hierarchy) const {
+    if (header.gradients) {
+        RELIEF_TRY(const VertexValues all, values());
+        return of_file(splines_through(hierarchy.space(0), all, *header.gradients), "level 0");
+    }
+    PsLevels coder(hierarchy, level_counts(base, header.levels).vertices, header.quantisation);
+    std::vector<ps::Decomposition> splines(components());
+    for (int m = 0; m <= hierarchy.levels(); ++m) {
+        const std::size_t old = m == 0 ? 0 : hierarchy.space(m - 1).mesh.x.size();
+        LevelHeights heights(components(),
+                             ps::Coefficients(hierarchy.space(m).mesh.x.size() - old));
+        RELIEF_TRY(const Bytes chunk, container.chunk(PsChunks::level(m)));
+        RELIEF_CHECK(coder.decode_next(chunk, heights));
+        for (std::size_t c = 0; c < splines.size(); ++c) {
+            if (m == 0)
+                splines[c].base = std::move(heights[c]);
+            else
+                splines[c].details.push_back(std::move(heights[c]));
+        }
+    }
+    LevelHeights finest;
+    for (ps::Decomposition& spline : splines) {
+        RELIEF_TRY(
+            ps::Coefficients heights,
+            of_file(synthesise(hierarchy, spline, hierarchy.levels(), header.quantisation.update),
+                    "levels"));
+        finest.push_back(std::move(heights));
+    }
+    if (hierarchy.levels() < header.levels || header.lattices.empty()) return finest;
+    RELIEF_TRY(const Bytes chunk, container.chunk(chunks().correction()));
+    RELIEF_CHECK(read_exact_heights(chunk, header.lattices, finest));
+    return finest;
+}
+
+/// What moves add to a component on the finest level of `hierarchy`.
+ps::Coefficients PsFile::State::risen(const ps::Hierarchy& hierarchy, int component) const {
+    ps::Coefficients sum(hierarchy.space(0).mesh.x.size());
+    for (int m = 0; m <= hierarchy.levels(); ++m) {
+        if (m > 0) sum = prolong(hierarchy.space(m - 1), hierarchy.step(m - 1), sum);
+        for (const PsMove& move : moves) {
+            if (refined(move.level) != m || move.component != component) continue;
+            const auto v = static_cast<std::size_t>(move.vertex);
+            const ps::Heights rise =
+                ps::heights(hierarchy.space(m).control[v], {move.rise, move.tilt});
+            for (std::size_t j = 0; j < 3; ++j) sum[v][j] += rise[j];
+        }
+    }
+    return sum;
+}
+
+PsFile::PsFile(std::unique_ptr<State> state) : state_(std::move(state)) {}
+PsFile::PsFile(PsFile&&) noexcept = default;
+PsFile& PsFile::operator=(PsFile&&) noexcept = default;
+PsFile::~PsFile() = default;
+
+Result<PsFile> PsFile::open(Bytes bytes) {
+    return open(std::make_shared<MemorySource>(std::move(bytes)));
+}
+
+Result<PsFile> PsFile::open(std::shared_ptr<const ByteSource> source, std::uint64_t visible) {
+    auto state = std::make_unique<State>();
+    RELIEF_TRY(state->container, ContainerReader::open(std::move(source), visible));
+    const ContainerReader& container = state->container;
+    RELIEF_TRY(state->header, read_ps_header(container.header()));
+    RELIEF_CHECK(state->check_sizes());
+    const PsChunks chunks = state->chunks();
+    if (!container.complete(chunks.levels == 0 ? chunks.correction() : PsChunks::kFirstLevel))
+        return bad_file("not even the coarsest level is there; read more bytes",
+                        "byte " + std::to_string(container.visible_size()));
+    RELIEF_TRY(const Bytes mesh, container.chunk(PsChunks::kMesh));
+    RELIEF_TRY(state->base, decode_ps_base(mesh, state->header.base));
+    RELIEF_CHECK(state->check_finest());
+    RELIEF_TRY(const Bytes edits, container.chunk(PsChunks::kEdits));
+    RELIEF_TRY(state->moves, read_ps_moves(edits));
+    if (!state->check_moves(state->moves).ok())
+        return bad_file("the edits are damaged", "edits chunk");
+    return PsFile(std::move(state));
+}
+
+int PsFile::levels() const {
+    return state_->header.levels;
+}
+int PsFile::components() const {
+    return state_->header.components;
+}
+Goal PsFile::goal() const {
+    return state_->header.goal;
+}
+bool PsFile::holds_values() const {
+    return state_->header.gradients.has_value();
+}
+bool PsFile::lossless() const {
+    return state_->header.surface_error == 0;
+}
+bool PsFile::delaunay() const {
+    return state_->header.base.peel.has_value();
+}
+
+PsCounts PsFile::counts(int level) const {
+    const PsLevelCounts counts = level_counts(state_->base, state_->refined(level));
+    return {counts.vertices, counts.triangles};
+}
+
+std::array<double, 4> PsFile::extent() const {
+    const mesh::Triangulation& base = state_->base;
+    const auto [left, right] = std::minmax_element(base.x.begin(), base.x.end());
+    const auto [bottom, top] = std::minmax_element(base.y.begin(), base.y.end());
+    return {base.origin.x + *left, base.origin.y + *bottom, base.origin.x + *right,
+            base.origin.y + *top};
+}
+
+double PsFile::max_error() const {
+    return state_->header.max_error;
+}
+double PsFile::rms_error() const {
+    return state_->header.rms_error;
+}
+int PsFile::version() const {
+    return kContainerVersion;
+}
+std::uint64_t PsFile::size() const {
+    return state_->container.complete_size();
+}
+bool PsFile::checksums_ok() const {
+    return state_->container.checksums_ok();
+}
+const std::vector<PsMove>& PsFile::moves() const {
+    return state_->moves;
+}
+const mesh::Triangulation& PsFile::base() const {
+    return state_->base;
+}
+
+Status PsFile::check(const std::vector<PsMove>& more) const {
+    return state_->check_moves(more);
+}
+
+int PsFile::finest_level() const {
+    const ContainerReader& container = state_->container;
+    int level = container.complete(state_->chunks().correction()) ? 0 : 1;
+    while (level < levels() && !container.complete(PsChunks::level(state_->refined(level))))
+        ++level;
+    return std::min(level, levels());
+}
+
+std::uint64_t PsFile::bytes_for(int level) const {
+    const std::size_t last =
+        level == 0 ? state_->chunks().correction() : PsChunks::level(state_->refined(level));
+    const ChunkInfo& chunk = state_->container.chunks()[last];
+    return chunk.offset + chunk.length;
+}
+
+std::vector<ChunkSummary> PsFile::chunks() const {
+    const auto& directory = state_->container.chunks();
+    std::vector<ChunkSummary> list;
+    const auto add = [&](const char* kind, int level, std::size_t k) {
+        list.push_back({kind, level, 1, directory[k].length, directory[k].bound});
+    };
+    add("edits", 0, PsChunks::kEdits);
+    add("mesh", levels(), PsChunks::kMesh);
+    for (int level = levels(); level >= 0; --level)
+        add("level", level, PsChunks::level(state_->refined(level)));
+    add("correction", 0, state_->chunks().correction());
+    return list;
+}
+
+std::optional<double> PsFile::bound(int level) const {
+    if (edited() || level != 0) return std::nullopt;
+    return max_error();
+}
+
+std::optional<double> PsFile::surface_bound(int level) const {
+    if (edited()) return std::nullopt;
+    if (level == 0) return state_->header.surface_error;
+    return state_->container.chunks()[PsChunks::level(state_->refined(level))].bound;
+}
+
+Result<PsValues> PsFile::values() const {
+    if (!holds_values()) return bad_argument("the file holds coefficients, not values at vertices");
+    RELIEF_TRY(VertexValues components, state_->values());
+    return PsValues{std::move(components), *state_->header.gradients};
+}
+
+Result<PsSurface> PsFile::surface(int level) const {
+    RELIEF_CHECK(state_->check_level(level));
+    if (level < finest_level())
+        return bad_file("level " + std::to_string(level) + " needs the first " +
+                            std::to_string(bytes_for(level)) +
+                            " bytes of the file; read more, or a coarser level",
+                        "byte " + std::to_string(state_->container.visible_size()));
+    RELIEF_TRY(ps::Space space, of_file(ps::make_space(state_->base), "mesh chunk"));
+    RELIEF_TRY(
+        const ps::Hierarchy hierarchy,
+        of_file(ps::Hierarchy::create(std::move(space), state_->refined(level)), "mesh chunk"));
+    PsSurface surface;
+    RELIEF_TRY(surface.components, state_->decoded(hierarchy));
+    surface.space = hierarchy.space(hierarchy.levels());
+    if (!edited()) return surface;
+    for (int c = 0; c < components(); ++c) {
+        const ps::Coefficients rise = state_->risen(hierarchy, c);
+        ps::Coefficients& heights = surface.components[static_cast<std::size_t>(c)];
+        for (std::size_t v = 0; v < heights.size(); ++v)
+            for (std::size_t j = 0; j < 3; ++j) heights[v][j] += rise[v][j];
+    }
+    return surface;
+}
+
+Result<Bytes> add_ps_moves(Bytes file, const std::vector<PsMove>& moves) {
+    const auto source = std::make_shared<MemorySource>(std::move(file));
+    RELIEF_TRY(const PsFile opened, PsFile::open(source));
+    RELIEF_TRY(const ContainerReader container, ContainerReader::open(source));
+    RELIEF_CHECK(opened.check(moves));
+    std::vector<PsMove> all = opened.moves();
+    all.insert(all.end(), moves.begin(), moves.end());
+    ContainerWriter writer;
+    for (std::size_t k = 0; k < container.chunks().size(); ++k) {
+        RELIEF_TRY(const Bytes chunk, container.chunk(k));
+        writer.add(k == PsChunks::kEdits ? write_ps_moves(all) : chunk,
+                   container.chunks()[k].bound);
+    }
+    return writer.finish(container.header());
+}
+
+}  // namespace relief::codec
