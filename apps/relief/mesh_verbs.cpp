@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "ps_verbs.h"
 #include "quad_verbs.h"
 #include "relief/io/file.h"
 #include "relief/io/file_kind.h"
@@ -142,6 +143,12 @@ Result<PolygonMesh> read_polygons(const std::string& path, int level) {
         if (!mesh.ok()) return located(mesh.error(), path);
         return polygons_of(*mesh);
     }
+    if (holds_ps(path)) {
+        RELIEF_TRY(const codec::PsFile file, open_ps(path));
+        const auto opened = open_level(file, level);
+        if (!opened.ok()) return located(opened.error(), path);
+        return polygons_of(*opened);
+    }
     if (level != 0) return Error{ErrorCode::InvalidArgument, "--level needs a .relief file", path};
     RELIEF_TRY(io::LoadedMesh loaded, io::read_mesh(path));
     return std::move(loaded.mesh);
@@ -151,8 +158,8 @@ Result<MeshScheme> mesh_scheme(const std::string& name) {
     for (const MeshScheme scheme : {MeshScheme::Sqrt3, MeshScheme::Loop, MeshScheme::CatmullClark})
         if (name == multires::mesh_scheme_name(scheme)) return scheme;
     return Error{ErrorCode::InvalidArgument,
-                 "meshes have the schemes loop, sqrt3 and catmull-clark, and quads over the plane "
-                 "fvs; not " +
+                 "meshes have the schemes loop, sqrt3 and catmull-clark, and over the plane quads "
+                 "fvs, triangles powell-sabin; not " +
                      name,
                  ""};
 }

@@ -2,6 +2,7 @@
 
 #include "command.h"
 #include "mesh_verbs.h"
+#include "ps_verbs.h"
 #include "quad_verbs.h"
 #include "relief/io/file.h"
 
@@ -96,11 +97,27 @@ Status check_no_mesh_options(const Encode& options) {
     return {};
 }
 
+/// As `fit`, which has more to choose from.
+Result<Outcome> encode_points(const Encode& options, const codec::Goal& goal,
+                              const Globals& globals) {
+    SchemeOptions plain;
+    plain.scheme = options.scheme.scheme;
+    if (!(options.scheme == plain) || (!plain.scheme.empty() && plain.scheme != "powell-sabin"))
+        return Error{ErrorCode::InvalidArgument,
+                     "points have the scheme powell-sabin, without further options; see 'relief "
+                     "fit --help'",
+                     ""};
+    return fit_points({.in = options.in, .out = options.out, .goal = goal}, globals);
+}
+
 Result<Outcome> run(const Encode& options, const Globals& globals) {
     const Stopwatch watch;
     codec::EncodeOptions encode;
     RELIEF_TRY(encode.goal, goal_of(options));
+    if (is_points(options.in)) return encode_points(options, encode.goal, globals);
     if (is_mesh(options.in)) {
+        if (options.scheme.scheme == "powell-sabin")
+            return encode_triangles(options.in, options.out, options.scheme, encode.goal, globals);
         RELIEF_TRY(const bool subdivision, is_subdivision(options.in, options.scheme));
         if (subdivision)
             return encode_mesh(mesh_verb(options, encode.goal), options.scheme, globals);
@@ -128,18 +145,20 @@ Result<Outcome> run(const Encode& options, const Globals& globals) {
 
 void add_encode(Program& program) {
     auto options = std::make_shared<Encode>();
-    CLI::App* verb =
-        add_verb(program, "encode",
-                 "Turn a raster or a mesh into a .relief file: analyse, choose coefficients, code.",
-                 "  relief encode dem.tif dem.relief --max-error 0.5\n"
-                 "  relief encode dem.tif dem.relief --rms-error 1 --scheme barycentric --order 2\n"
-                 "  relief encode dem.tif small.relief --bytes 20000 --json\n"
-                 "  relief encode model.obj model.relief --max-error 0.01",
-                 [options, &program] { return run(*options, program.globals); });
+    CLI::App* verb = add_verb(
+        program, "encode",
+        "Turn a raster, a mesh or points into a .relief file: analyse, choose coefficients, "
+        "code.",
+        "  relief encode dem.tif dem.relief --max-error 0.5\n"
+        "  relief encode dem.tif dem.relief --rms-error 1 --scheme barycentric --order 2\n"
+        "  relief encode dem.tif small.relief --bytes 20000 --json\n"
+        "  relief encode model.obj model.relief --max-error 0.01",
+        [options, &program] { return run(*options, program.globals); });
     verb->add_option(
             "IN", options->in,
             "a raster of any format GDAL reads, 1 to 4 bands; or a mesh (.obj, .off, .ply, "
-            ".stl): the subdivision of a coarser one, or quads over the plane")
+            ".stl): the subdivision of a coarser one, or quads over the plane; or points (.xyz, "
+            ".csv, .txt), see 'relief fit'")
         ->required();
     verb->add_option("OUT", options->out, "the .relief file")->required();
     options->scheme.add_to(*verb);
