@@ -92,8 +92,8 @@ void SchemeOptions::add_to(CLI::App& app) {
     app.add_option(
         "--scheme", scheme,
         "rasters: fvs (best for --max-error and --lossless), cubic (best for the other "
-        "goals), box, barycentric; meshes: loop, sqrt3, catmull-clark, and fvs for quads "
-        "over the plane");
+        "goals), box, barycentric; meshes: loop, sqrt3, catmull-clark, and over the plane fvs "
+        "for quads, powell-sabin for triangles");
     app.add_option(
         "--order", order,
         "1: linear C0, 2: quartic C2 (default); barycentric also 3: C4, 4: C6; cubic has 2");
@@ -179,7 +179,7 @@ Result<Raster> read_any_raster(const std::string& path, const Globals& globals) 
             return Error{ErrorCode::Unsupported, "is a mesh; this version reads rasters", path};
         case io::FileKind::Points:
             return Error{ErrorCode::Unsupported,
-                         "holds scattered points; this version reads rasters", path};
+                         "holds scattered points; 'relief fit' makes a surface of them", path};
         default:
             return io::read_raster(path, {.progress = progress_bar(globals, "reading")});
     }

@@ -58,6 +58,7 @@ void add_edit(Program& program);
 void add_render(Program& program);
 void add_sample(Program& program);
 void add_subdivide(Program& program);
+void add_fit(Program& program);
 
 /// A bar on standard error, on a terminal only, unless quiet; cancels on Ctrl-C.
 [[nodiscard]] Progress progress_bar(const Globals& globals, std::string what);
@@ -123,6 +124,8 @@ struct SchemeOptions {
     void add_to(CLI::App& app);
     /// None: no scheme was named. Options of schemes without a scheme are those of box.
     [[nodiscard]] Result<std::optional<multires::SchemeSpec>> spec() const;
+
+    friend bool operator==(const SchemeOptions&, const SchemeOptions&) = default;
 };
 
 /// The same error, saying which file it is about.

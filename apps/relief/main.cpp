@@ -81,6 +81,7 @@ int main(int argc, char** argv) {
     relief::cli::add_render(program);
     relief::cli::add_sample(program);
     relief::cli::add_subdivide(program);
+    relief::cli::add_fit(program);
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& success) {

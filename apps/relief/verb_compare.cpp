@@ -6,6 +6,7 @@
 
 #include "command.h"
 #include "mesh_verbs.h"
+#include "ps_verbs.h"
 #include "quad_verbs.h"
 #include "relief/codec/measure.h"
 #include "relief/io/file_kind.h"
@@ -21,6 +22,7 @@ struct Compare {
     std::optional<std::string> scheme;
     std::optional<int> order;
     std::optional<int> levels;
+    std::string columns;
 };
 
 /// What the metadata of a decoded raster say of its origin; other programs' may say anything.
@@ -86,6 +88,8 @@ Result<Outcome> run(const Compare& options, const Globals& globals) {
     if (options.surface)
         return Error{ErrorCode::InvalidArgument,
                      "--surface compares meshes; rasters are compared sample by sample", ""};
+    if (is_points(options.a) || is_points(options.b) || holds_ps(options.a) || holds_ps(options.b))
+        return compare_ps(options.a, options.b, options.columns);
     RELIEF_TRY(const Raster a, read_any_raster(options.a, globals));
     RELIEF_TRY(const Raster b, read_any_raster(options.b, globals));
     auto measured = codec::measure(a, b);
@@ -130,12 +134,14 @@ Result<Outcome> run(const Compare& options, const Globals& globals) {
 
 void add_compare(Program& program) {
     auto options = std::make_shared<Compare>();
-    CLI::App* verb =
-        add_verb(program, "compare",
-                 "Measure how far B is from the reference A, sample by sample or vertex by vertex.",
-                 "  relief compare dem.tif decoded.tif\n  relief compare dem.tif dem.relief --json",
-                 [options, &program] { return run(*options, program.globals); });
-    verb->add_option("A", options->a, "the reference: a raster, a mesh or a .relief file")
+    CLI::App* verb = add_verb(
+        program, "compare",
+        "Measure how far B is from the reference A, sample by sample, vertex by vertex or "
+        "at points.",
+        "  relief compare dem.tif decoded.tif\n  relief compare dem.tif dem.relief --json\n"
+        "  relief compare survey.xyz survey.relief",
+        [options, &program] { return run(*options, program.globals); });
+    verb->add_option("A", options->a, "the reference: a raster, a mesh, points or a .relief file")
         ->required();
     verb->add_option("B", options->b, "what is compared to it")->required();
     verb->add_flag("--surface", options->surface, "distance between surfaces (meshes)");
@@ -144,6 +150,7 @@ void add_compare(Program& program) {
         "scheme whose coarsest level is the base of energy_percent; default: that of B, else box");
     verb->add_option("--order", options->order, "its order");
     verb->add_option("--levels", options->levels, "its levels; default: those of B, else 3");
+    verb->add_option("--columns", options->columns, kColumnsHelp);
 }
 
 }  // namespace relief::cli

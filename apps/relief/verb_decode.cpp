@@ -4,6 +4,7 @@
 
 #include "command.h"
 #include "mesh_verbs.h"
+#include "ps_verbs.h"
 #include "quad_verbs.h"
 #include "relief/codec/raster_surface.h"
 #include "relief/io/raster.h"
@@ -19,6 +20,7 @@ struct Decode {
     std::optional<std::int64_t> bytes;
     std::vector<std::int64_t> window;
     double scale = 1;
+    std::optional<double> cell;
     bool allow_damage = false;
 };
 
@@ -265,6 +267,13 @@ Result<Outcome> run(const Decode& options, const Globals& globals) {
         return Error{ErrorCode::InvalidArgument, "--scale and --level exclude each other", ""};
     if (options.bytes && *options.bytes < 1)
         return Error{ErrorCode::InvalidArgument, "--bytes must be at least 1", ""};
+    if (holds_ps(options.in))
+        return decode_ps({options.in, options.out, options.level, options.bytes, options.cell,
+                          options.scale, options.window},
+                         globals);
+    if (options.cell)
+        return Error{ErrorCode::InvalidArgument,
+                     "--cell is for splines on triangles; rasters have --scale", options.in};
     if (holds_quads(options.in) || holds_mesh(options.in)) return decode_any_mesh(options);
     RELIEF_TRY(const codec::RasterFile file, open_relief(options.in, options.bytes));
     auto source = Source::create(file, options);
@@ -302,17 +311,20 @@ void add_decode(Program& program) {
     auto options = std::make_shared<Decode>();
     CLI::App* verb = add_verb(
         program, "decode",
-        "Turn a .relief file back into a raster, whole, coarser, finer or in part; or into a "
-        "mesh.",
+        "Turn a .relief file back into a raster, whole, coarser, finer or in part; into a mesh, "
+        "Bezier triangles or a table.",
         "  relief decode dem.relief dem.tif\n"
         "  relief decode dem.relief overview.tif --level 3\n"
         "  relief decode dem.relief smooth.tif --scale 4 --window 0,0,512,512\n"
-        "  relief decode model.relief coarse.obj --level 2",
+        "  relief decode model.relief coarse.obj --level 2\n"
+        "  relief decode survey.relief dem.tif --cell 0.5\n"
+        "  relief decode survey.relief survey.vtu",
         [options, &program] { return run(*options, program.globals); });
     verb->add_option("IN", options->in, "the .relief file")->required();
     verb->add_option("OUT", options->out,
                      "the raster or mesh; its extension names the format (.tif: GeoTIFF, .off, "
-                     ".obj, .ply, ..)")
+                     ".obj, .ply, ..); of a spline on triangles also .vtu (Bezier triangles for "
+                     "ParaView) and .csv (vertices with value and gradient)")
         ->required();
     verb->add_option(
             "--level", options->level,
@@ -325,6 +337,9 @@ void add_decode(Program& program) {
         ->expected(4);
     verb->add_flag("--allow-damage", options->allow_damage,
                    "fill damaged tiles in from coarser levels, and say which");
+    verb->add_option("--cell", options->cell,
+                     "splines on triangles: size of the raster's cells, in data units; default: "
+                     "about one cell a vertex");
     verb->add_option("--scale", options->scale,
                      "samples a side relative to the original: the spline evaluated anywhere");
 }

@@ -6,6 +6,7 @@
 
 #include "command.h"
 #include "mesh_verbs.h"
+#include "ps_verbs.h"
 #include "quad_verbs.h"
 #include "relief/io/file.h"
 
@@ -168,12 +169,14 @@ Result<Outcome> edit_any_mesh(const Edit& options) {
     if (!options.moves.empty() && !options.level)
         return Error{ErrorCode::InvalidArgument, "--move needs --level K", ""};
     const int level = options.level.value_or(0);
+    if (holds_ps(options.in)) return edit_ps(options.in, options.out, level, options.moves);
     if (holds_mesh(options.in)) return edit_mesh(options.in, options.out, level, options.moves);
     return edit_quads(options.in, options.out, level, options.moves);
 }
 
 Result<Outcome> run(const Edit& options) {
-    if (holds_quads(options.in) || holds_mesh(options.in)) return edit_any_mesh(options);
+    if (holds_quads(options.in) || holds_mesh(options.in) || holds_ps(options.in))
+        return edit_any_mesh(options);
     RELIEF_TRY(const auto source, io::open_source(options.in));
     const auto opened = codec::RasterFile::open(source);
     if (!opened.ok()) return located(opened.error(), options.in);
@@ -224,7 +227,8 @@ void add_edit(Program& program) {
         "  relief edit face.relief face2.relief --level 2 --move 310:0,0,4.5 --move 311:0,0,4\n"
         "  relief edit dem.relief out.relief --script moves.json\n"
         "INDEX counts the control net of the level row by row; 'relief info' gives its size. In a "
-        "file of a mesh it is a vertex as 'relief decode --level K' numbers them, and DX its rise.",
+        "file of a mesh it is a vertex as 'relief decode --level K' numbers them, and DX its rise; "
+        "on triangles DX,DY,DZ are the rise of its control triangle and the slopes that tilt it.",
         [options] { return run(*options); });
     verb->add_option("IN", options->in, "the .relief file")->required();
     verb->add_option("OUT", options->out, "the edited .relief file")->required();

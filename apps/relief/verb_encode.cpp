@@ -2,6 +2,7 @@
 
 #include "command.h"
 #include "mesh_verbs.h"
+#include "ps_verbs.h"
 #include "quad_verbs.h"
 #include "relief/io/file.h"
 
@@ -17,8 +18,11 @@ struct Encode {
     bool lossless = false;
     int effort = 1;
     std::string profile = "dense";
+    bool surface = false;
     bool reorder = false;
     bool repair = false;
+    std::optional<double> alpha;
+    std::string lift;
 };
 
 Result<codec::Goal> goal_of(const Encode& options) {
@@ -69,18 +73,58 @@ Json json_of(const codec::EncodeReport& report, const std::string& profile, doub
     return json;
 }
 
+MeshEncodeVerb mesh_verb(const Encode& options, const codec::Goal& goal) {
+    using codec::MeshDistance;
+    return {options.in,
+            options.out,
+            goal,
+            options.surface ? MeshDistance::Surface : MeshDistance::Vertices,
+            options.reorder,
+            options.repair,
+            options.alpha,
+            options.lift};
+}
+
+/// Options that only subdivision surfaces have.
+Status check_no_mesh_options(const Encode& options) {
+    const auto refuse = [](const char* why) { return Error{ErrorCode::InvalidArgument, why, ""}; };
+    if (options.alpha || !options.lift.empty())
+        return refuse("--alpha and --lift are for subdivision surfaces");
+    if (options.surface)
+        return refuse(
+            "--surface is for subdivision surfaces; rasters and quads over the plane are measured "
+            "sample by sample");
+    return {};
+}
+
+/// As `fit`, which has more to choose from.
+Result<Outcome> encode_points(const Encode& options, const codec::Goal& goal,
+                              const Globals& globals) {
+    SchemeOptions plain;
+    plain.scheme = options.scheme.scheme;
+    if (!(options.scheme == plain) || (!plain.scheme.empty() && plain.scheme != "powell-sabin"))
+        return Error{ErrorCode::InvalidArgument,
+                     "points have the scheme powell-sabin, without further options; see 'relief "
+                     "fit --help'",
+                     ""};
+    return fit_points({.in = options.in, .out = options.out, .goal = goal}, globals);
+}
+
 Result<Outcome> run(const Encode& options, const Globals& globals) {
     const Stopwatch watch;
     codec::EncodeOptions encode;
     RELIEF_TRY(encode.goal, goal_of(options));
+    if (is_points(options.in)) return encode_points(options, encode.goal, globals);
     if (is_mesh(options.in)) {
+        if (options.scheme.scheme == "powell-sabin")
+            return encode_triangles(options.in, options.out, options.scheme, encode.goal, globals);
         RELIEF_TRY(const bool subdivision, is_subdivision(options.in, options.scheme));
         if (subdivision)
-            return encode_mesh(
-                {options.in, options.out, encode.goal, options.reorder, options.repair},
-                options.scheme, globals);
+            return encode_mesh(mesh_verb(options, encode.goal), options.scheme, globals);
+        RELIEF_CHECK(check_no_mesh_options(options));
         return encode_quads(options.in, options.out, options.scheme, encode.goal);
     }
+    RELIEF_CHECK(check_no_mesh_options(options));
     RELIEF_TRY(encode.spec, options.scheme.spec());
     encode.effort = static_cast<codec::Effort>(options.effort);
     encode.progress = progress_bar(globals, "encoding");
@@ -101,18 +145,20 @@ Result<Outcome> run(const Encode& options, const Globals& globals) {
 
 void add_encode(Program& program) {
     auto options = std::make_shared<Encode>();
-    CLI::App* verb =
-        add_verb(program, "encode",
-                 "Turn a raster or a mesh into a .relief file: analyse, choose coefficients, code.",
-                 "  relief encode dem.tif dem.relief --max-error 0.5\n"
-                 "  relief encode dem.tif dem.relief --rms-error 1 --scheme barycentric --order 2\n"
-                 "  relief encode dem.tif small.relief --bytes 20000 --json\n"
-                 "  relief encode model.obj model.relief --max-error 0.01",
-                 [options, &program] { return run(*options, program.globals); });
+    CLI::App* verb = add_verb(
+        program, "encode",
+        "Turn a raster, a mesh or points into a .relief file: analyse, choose coefficients, "
+        "code.",
+        "  relief encode dem.tif dem.relief --max-error 0.5\n"
+        "  relief encode dem.tif dem.relief --rms-error 1 --scheme barycentric --order 2\n"
+        "  relief encode dem.tif small.relief --bytes 20000 --json\n"
+        "  relief encode model.obj model.relief --max-error 0.01",
+        [options, &program] { return run(*options, program.globals); });
     verb->add_option(
             "IN", options->in,
             "a raster of any format GDAL reads, 1 to 4 bands; or a mesh (.obj, .off, .ply, "
-            ".stl): the subdivision of a coarser one, or quads over the plane")
+            ".stl): the subdivision of a coarser one, or quads over the plane; or points (.xyz, "
+            ".csv, .txt), see 'relief fit'")
         ->required();
     verb->add_option("OUT", options->out, "the .relief file")->required();
     options->scheme.add_to(*verb);
@@ -134,8 +180,23 @@ void add_encode(Program& program) {
             "--profile", options->profile,
             "of scheme fvs: dense (default), or fast: several times the speed, about 8 % larger")
         ->check(CLI::IsMember({"fast", "dense"}));
+    verb->add_flag("--surface", options->surface,
+                   "meshes: errors are distances of the surfaces, both ways, and files smaller. "
+                   "--max-error then holds for all vertices of both and for 60000 points spread "
+                   "evenly over each; --rms-error is that of these points");
     verb->add_flag("--reorder", options->reorder,
                    "meshes: vertices and faces in the order of subdivision, which takes less");
+    std::vector<std::string> lifts;
+    for (const multires::LiftKind kind : multires::kLiftKinds)
+        lifts.emplace_back(multires::lift_name(kind));
+    verb->add_option("--lift", options->lift,
+                     "meshes: how coarse meshes are brought near to the fine ones; default: "
+                     "chebyshev")
+        ->check(CLI::IsMember(lifts));
+    verb->add_option(
+        "--alpha", options->alpha,
+        "sqrt3: weight of the neighbours in the new place of a vertex, from 0 to below "
+        "2/3; default: by valence");
     verb->add_flag("--repair", options->repair,
                    "meshes: first mend what is no oriented manifold: see 'relief info'");
 }

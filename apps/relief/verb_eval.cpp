@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "command.h"
+#include "ps_verbs.h"
 #include "quad_verbs.h"
 #include "relief/codec/raster_surface.h"
 #include "relief/io/file.h"
@@ -255,6 +256,24 @@ Result<Evaluated> evaluate_mesh(const Eval& options, const std::vector<Point>& p
     return result;
 }
 
+Result<Evaluated> evaluate_triangles(const Eval& options, const std::vector<Point>& points) {
+    std::vector<Vec2> places;
+    for (const Point& point : points) places.push_back({point.x, point.y});
+    RELIEF_TRY(const PsJets found, evaluate_ps(options.in, places));
+    const auto components = static_cast<std::size_t>(found.components);
+    Evaluated result{std::vector<std::vector<Jet>>(components, std::vector<Jet>(points.size())),
+                     std::vector<std::uint8_t>(points.size())};
+    for (std::size_t n = 0; n < points.size(); ++n) {
+        result.inside[n] = !std::isnan(found.jets[n * components].value);
+        for (std::size_t c = 0; c < components; ++c) {
+            const spline::PlaneJet& jet = found.jets[n * components + c];
+            result.components[c][n] = {jet.value, jet.gradient.x, jet.gradient.y,
+                                       jet.xx,    jet.xy,         jet.yy};
+        }
+    }
+    return result;
+}
+
 Result<Evaluated> evaluate_raster(const Eval& options, const std::vector<Point>& points) {
     RELIEF_TRY(const codec::RasterFile file, open_relief(options.in));
     const auto map = PlaceMap::create(file.description().geo);
@@ -271,7 +290,8 @@ Result<Outcome> run(const Eval& options, const Globals& globals) {
         return Error{ErrorCode::InvalidArgument, "give places with --at X,Y or --points FILE.csv",
                      ""};
     RELIEF_TRY(const std::vector<Point> points, read_points(options));
-    RELIEF_TRY(const Evaluated evaluated, holds_quads(options.in)
+    RELIEF_TRY(const Evaluated evaluated, holds_ps(options.in) ? evaluate_triangles(options, points)
+                                          : holds_quads(options.in)
                                               ? evaluate_mesh(options, points)
                                               : evaluate_raster(options, points));
     const auto& [components, inside] = evaluated;
@@ -322,9 +342,9 @@ void add_eval(Program& program) {
                  "  relief eval dem.relief --points places.csv --derivatives 2 > heights.csv",
                  [options, &program] { return run(*options, program.globals); });
     verb->add_option("IN", options->in, "the .relief file")->required();
-    verb->add_option(
-            "--at", options->at,
-            "X,Y in the coordinates of the raster or mesh; column,row without a geotransform")
+    verb->add_option("--at", options->at,
+                     "X,Y in the coordinates of the raster, mesh or points; column,row without a "
+                     "geotransform")
         ->take_all()
         ->allow_extra_args(false);
     verb->add_option("--points", options->points, "a file of X,Y lines; a heading line is skipped");

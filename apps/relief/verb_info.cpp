@@ -4,6 +4,7 @@
 
 #include "command.h"
 #include "mesh_verbs.h"
+#include "ps_verbs.h"
 #include "quad_verbs.h"
 #include "relief/io/file.h"
 #include "relief/io/file_kind.h"
@@ -160,12 +161,14 @@ void add_info(Program& program) {
         [path, &program]() -> Result<Outcome> {
             const io::FileKind kind = io::recognise(*path);
             if (kind == io::FileKind::Mesh) return info_of_mesh(*path);
+            if (kind == io::FileKind::Points) return info_of_points(*path);
+            if (holds_ps(*path)) return info_of_ps(*path);
             if (holds_quads(*path)) return info_of_quads(*path);
             if (holds_mesh(*path)) return info_of_mesh_file(*path);
             if (kind == io::FileKind::Relief) return info_of_relief(*path);
             return info_of_raster(*path, program.globals);
         });
-    verb->add_option("IN", *path, "a .relief file, a raster or a mesh")->required();
+    verb->add_option("IN", *path, "a .relief file, a raster, a mesh or points")->required();
 }
 
 }  // namespace relief::cli

@@ -5,6 +5,7 @@
 
 #include "command.h"
 #include "mesh_verbs.h"
+#include "ps_verbs.h"
 #include "quad_verbs.h"
 #include "relief/io/file_kind.h"
 #include "relief/io/mesh_picture.h"
@@ -206,8 +207,26 @@ Result<Outcome> run_mesh(const Render& options) {
     return picture_outcome(options.out, *image);
 }
 
+/// Seen from above as a raster of the picture's width, or in perspective with triangles.
+Result<Outcome> run_ps(const Render& options, const Globals& globals) {
+    const int width = options.width > 0 ? options.width : 1200;
+    io::Image image;
+    if (options.style == "wire") {
+        RELIEF_TRY(image, draw_ps(options.in,
+                                  {width, options.exaggeration, options.viewer, options.level}));
+    } else {
+        RELIEF_TRY(const Raster raster,
+                   picture_raster(options.in, options.level.value_or(0), width));
+        RELIEF_TRY(image, draw(options, raster, globals));
+    }
+    if (!options.caption.empty()) image = io::with_caption(image, options.caption);
+    RELIEF_CHECK(io::write_png(options.out, image));
+    return picture_outcome(options.out, image);
+}
+
 Result<Outcome> run(const Render& options, const Globals& globals) {
     if (is_mesh(options.in)) return run_mesh(options);
+    if (holds_ps(options.in)) return run_ps(options, globals);
     io::Image image;
     const bool relief_file = io::recognise(options.in) == io::FileKind::Relief;
     if (options.level && !relief_file)
@@ -262,7 +281,8 @@ void add_render(Program& program) {
                      "a PNG laid over the ground, stretched to the raster's extent");
     verb->add_option(
         "--level", options->level,
-        "draw the surface of this level of a .relief file; with wire its control net too");
+        "draw the surface of this level of a .relief file; with wire its control net too, for "
+        "splines on triangles its control triangles");
     verb->add_option("--scale", options->scale,
                      "difference at the ends of the colours (error); default: the largest");
     verb->add_option("--exaggeration", options->exaggeration,

@@ -20,6 +20,7 @@ namespace {
 constexpr int kTrials = 16;
 /// How near to the goal a search ends.
 constexpr double kClosely = 0.985;
+constexpr double kLeastShare = 1e-6;
 /// Quotients are rounded towards zero where squared errors count: fewer bits at the same error.
 constexpr double kTowardsZero = 0.42;
 constexpr double kNearest = 0.5;
@@ -104,12 +105,21 @@ class Encoder {
         return file.ok() ? file->size() + kHeaderSlack : std::numeric_limits<std::uint64_t>::max();
     }
 
-    /// How much of the goal a trial uses up; it is met up to 1.
+    /// How much a trial uses up of what the spline leaves of the goal; it is met up to 1.
     [[nodiscard]] Result<double> share_of(const Trial& trial) const {
         const Goal& goal = options_.goal;
         if (goal.kind == Kind::Bytes) return static_cast<double>(size_of(trial)) / goal.value;
-        RELIEF_TRY(const PsErrors errors, errors_of(trial, goal.kind == Kind::MaxError));
-        return (goal.kind == Kind::MaxError ? errors.max : errors.rms()) / goal.value;
+        const bool of_max = goal.kind == Kind::MaxError;
+        RELIEF_TRY(const PsErrors errors, errors_of(trial, of_max));
+        const double error = of_max ? errors.max : errors.rms();
+        if (error == 0) return 0;
+        const double used = of_max ? error - missed_ : error * error - missed_ * missed_;
+        const double room =
+            of_max ? goal.value - missed_ : goal.value * goal.value - missed_ * missed_;
+        const double share = of_max ? used / room : std::sqrt(std::max(used, 0.0) / room);
+        // Neither roundings nor errors that cancel each other decide.
+        return error <= goal.value ? std::clamp(share, kLeastShare, 1.0)
+                                   : std::max(share, 1 + kLeastShare);
     }
 
     /// The trial with the largest unit that meets an error goal; none: no unit down to `least`.
@@ -162,6 +172,7 @@ class Encoder {
     const PsEncodeOptions& options_;
     std::optional<PsDataErrors> data_;
     double largest_ = 0;
+    double missed_ = 0;  ///< by the spline before it is coded: the error at the data
 
   private:
     [[nodiscard]] Trial untouched() const {
@@ -172,15 +183,15 @@ class Encoder {
     }
 
     /// Data may be farther from the spline than the goal allows.
-    [[nodiscard]] Status check_reachable() const {
+    [[nodiscard]] Status check_reachable() {
         const bool of_errors =
             options_.goal.kind == Kind::MaxError || options_.goal.kind == Kind::RmsError;
         if (!data_ || !of_errors) return {};
         RELIEF_TRY(const PsErrors errors, data_->of(source_.splines));
-        const double least = options_.goal.kind == Kind::MaxError ? errors.max : errors.rms();
-        if (least <= options_.goal.value) return {};
+        missed_ = options_.goal.kind == Kind::MaxError ? errors.max : errors.rms();
+        if (missed_ <= options_.goal.value) return {};
         return bad_argument("the spline itself misses the data by " +
-                            std::to_string(rounded_up(least, 4)) +
+                            std::to_string(rounded_up(missed_, 4)) +
                             "; fit it more closely or allow more");
     }
 

@@ -94,14 +94,6 @@ void subtract_product(Block3& c, const Block3& a, const Block3& b) {
             c[i + j] -= a[i] * b[j] + a[i + 1] * b[3 + j] + a[i + 2] * b[6 + j];
 }
 
-Block3 product(const Block3& a, const Block3& b) {
-    Block3 c{};
-    for (std::size_t i = 0; i < 9; i += 3)
-        for (std::size_t j = 0; j < 3; ++j)
-            c[i + j] = a[i] * b[j] + a[i + 1] * b[3 + j] + a[i + 2] * b[6 + j];
-    return c;
-}
-
 void subtract_product(Column3& y, const Block3& a, const Column3& x) {
     for (std::size_t i = 0; i < 3; ++i)
         y[i] -= a[3 * i] * x[0] + a[3 * i + 1] * x[1] + a[3 * i + 2] * x[2];
@@ -114,28 +106,29 @@ bool keep(double& pivot, double original, LostPivots lost) {
     return lost == LostPivots::Raise && original > 0;
 }
 
-/// Of a symmetric block by its own L D L^T; false if a pivot is lost.
-bool invert(const Block3& a, const Block3& original, LostPivots lost, Block3& inverse) {
-    double d0 = a[0];
-    if (!keep(d0, original[0], lost)) return false;
-    const double l10 = a[3] / d0;
-    const double l20 = a[6] / d0;
-    double d1 = a[4] - l10 * a[3];
-    if (!keep(d1, original[4], lost)) return false;
-    const double l21 = (a[7] - l20 * a[3]) / d1;
-    double d2 = a[8] - l20 * a[6] - l21 * l21 * d1;
-    if (!keep(d2, original[8], lost)) return false;
-    // Columns of the inverse of L, then L^-T D^-1 L^-1.
-    const double m10 = -l10;
-    const double m20 = l10 * l21 - l20;
-    const double m21 = -l21;
-    inverse[0] = 1 / d0 + m10 * m10 / d1 + m20 * m20 / d2;
-    inverse[3] = inverse[1] = m10 / d1 + m20 * m21 / d2;
-    inverse[6] = inverse[2] = m20 / d2;
-    inverse[4] = 1 / d1 + m21 * m21 / d2;
-    inverse[7] = inverse[5] = m21 / d2;
-    inverse[8] = 1 / d2;
+/// A symmetric block to its lower triangular root, whose diagonal is kept inverted; false if a
+/// pivot is lost.
+bool take_root(Block3& a, const Block3& original, LostPivots lost) {
+    for (std::size_t j = 0; j < 3; ++j) {
+        double pivot = a[4 * j];
+        for (std::size_t k = 0; k < j; ++k) pivot -= a[3 * j + k] * a[3 * j + k];
+        if (!keep(pivot, original[4 * j], lost)) return false;
+        a[4 * j] = 1 / std::sqrt(pivot);
+        for (std::size_t i = j + 1; i < 3; ++i) {
+            for (std::size_t k = 0; k < j; ++k) a[3 * i + j] -= a[3 * i + k] * a[3 * j + k];
+            a[3 * i + j] *= a[4 * j];
+        }
+    }
     return true;
+}
+
+/// a = a root^-T.
+void divide(Block3& a, const Block3& root) {
+    for (std::size_t i = 0; i < 9; i += 3) {
+        a[i] *= root[0];
+        a[i + 1] = (a[i + 1] - a[i] * root[3]) * root[4];
+        a[i + 2] = (a[i + 2] - a[i] * root[6] - a[i + 1] * root[7]) * root[8];
+    }
 }
 
 }  // namespace
@@ -145,7 +138,7 @@ std::vector<std::uint32_t> nested_dissection(std::span<const Vec2> points, const
 }
 
 BlockCholesky::BlockCholesky(const GraphView& graph, std::vector<Index> order)
-    : order_(std::move(order)), place_(order_.size()), inverse_(order_.size()) {
+    : order_(std::move(order)), place_(order_.size()), root_(order_.size()) {
     for (Index k = 0; k < order_.size(); ++k) place_[order_[k]] = k;
     find_pattern(graph);
     lower_.resize(rows_.size());
@@ -200,15 +193,16 @@ std::size_t BlockCholesky::factor(const GraphView& graph, std::span<const Block3
         std::sort(columns.begin(), columns.end());
         Block3 pivot = diagonal[v];
         for (const Index i : columns) {
-            const Block3 entry = row[i];
+            Block3 entry = row[i];
             row[i] = {};
-            const Block3 scaled = product(entry, inverse_[i]);
+            divide(entry, root_[i]);
             for (std::uint64_t p = first_[i]; p < end[i]; ++p)
                 subtract_product(row[rows_[p]], entry, transposed(lower_[p]));
-            subtract_product(pivot, scaled, transposed(entry));
-            lower_[end[i]++] = scaled;
+            subtract_product(pivot, entry, transposed(entry));
+            lower_[end[i]++] = entry;
         }
-        if (!invert(pivot, diagonal[v], lost, inverse_[k])) return v;
+        if (!take_root(pivot, diagonal[v], lost)) return v;
+        root_[k] = pivot;
     }
     return count;
 }
@@ -217,21 +211,23 @@ void BlockCholesky::solve(std::span<Column3> x) const {
     const auto count = static_cast<Index>(order_.size());
     std::vector<Column3> y(count);
     for (Index k = 0; k < count; ++k) y[k] = x[order_[k]];
-    for (Index k = 0; k < count; ++k)
+    for (Index k = 0; k < count; ++k) {
+        Column3& own = y[k];
+        const Block3& r = root_[k];
+        own[0] *= r[0];
+        own[1] = (own[1] - r[3] * own[0]) * r[4];
+        own[2] = (own[2] - r[6] * own[0] - r[7] * own[1]) * r[8];
         for (std::uint64_t p = first_[k]; p < first_[k + 1]; ++p)
-            subtract_product(y[rows_[p]], lower_[p], y[k]);
+            subtract_product(y[rows_[p]], lower_[p], own);
+    }
     for (Index k = count; k-- > 0;) {
-        Column3 z{};
-        const Block3& d = inverse_[k];
-        for (std::size_t i = 0; i < 3; ++i)
-            z[i] = d[3 * i] * y[k][0] + d[3 * i + 1] * y[k][1] + d[3 * i + 2] * y[k][2];
-        for (std::uint64_t p = first_[k]; p < first_[k + 1]; ++p) {
-            const Column3& below = y[rows_[p]];
-            const Block3& a = lower_[p];
-            for (std::size_t i = 0; i < 3; ++i)
-                z[i] -= a[i] * below[0] + a[3 + i] * below[1] + a[6 + i] * below[2];
-        }
-        y[k] = z;
+        Column3& own = y[k];
+        for (std::uint64_t p = first_[k]; p < first_[k + 1]; ++p)
+            subtract_product(own, transposed(lower_[p]), y[rows_[p]]);
+        const Block3& r = root_[k];
+        own[2] *= r[8];
+        own[1] = (own[1] - r[7] * own[2]) * r[4];
+        own[0] = (own[0] - r[3] * own[1] - r[6] * own[2]) * r[0];
     }
     for (Index k = 0; k < count; ++k) x[order_[k]] = y[k];
 }

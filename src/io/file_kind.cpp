@@ -40,14 +40,17 @@ bool names_mesh(const std::string& path) {
     return is_one_of(detail::extension_of(path), {".obj", ".off", ".ply", ".stl", ".glb"});
 }
 
+bool names_points(const std::string& path) {
+    return is_one_of(detail::extension_of(path), {".xyz", ".csv", ".txt"});
+}
+
 FileKind recognise(const std::string& path) {
     if (const auto head = read_file(path, 64)) {
         const FileKind kind =
             by_content({reinterpret_cast<const char*>(head->data()), head->size()});
         if (kind != FileKind::Unknown) return kind;
         if (names_mesh(path)) return FileKind::Mesh;
-        if (is_one_of(detail::extension_of(path), {".xyz", ".csv", ".txt"}))
-            return FileKind::Points;
+        if (names_points(path)) return FileKind::Points;
     }
     return is_gdal_raster(path) ? FileKind::Raster : FileKind::Unknown;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 
 #include "relief/mesh/delaunay.h"
@@ -15,12 +16,24 @@ using mesh::kNone;
 
 namespace {
 
-/// Hull slivers that are peeled off: what lies in them counts as on the boundary.
+/// Hull slivers that are peeled off.
 constexpr double kPeel = 1e-2;
 /// Triangles get a vertex if their worst point is off by so much of the worst of all.
 constexpr double kShareOfWorst = 0.3;
 constexpr int kMostRounds = 200;
 constexpr double kLargest = 1e150;
+constexpr std::size_t kNoLimit = static_cast<std::size_t>(-1);
+
+bool usable(double number) {
+    return std::abs(number) <= kLargest;
+}
+
+Error not_usable(std::size_t point) {
+    return {ErrorCode::BadInput,
+            "non_finite_input: it is not made of numbers of at most 1e150; leave the point out or "
+            "correct it",
+            "point " + std::to_string(point)};
+}
 
 /// Points at one place.
 struct Place {
@@ -114,6 +127,48 @@ void add_spread(const std::vector<Place>& places, std::size_t count,
         if (k < places.size()) chosen[k] = 1;
 }
 
+std::size_t count_of(const std::vector<std::uint8_t>& chosen) {
+    return static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), std::uint8_t{1}));
+}
+
+/// Of the places outside the mesh the outermost at each boundary triangle. Whether there was one.
+bool add_outermost(const mesh::Triangulation& mesh, const std::vector<Place>& places,
+                   std::vector<std::uint8_t>& chosen) {
+    struct Outermost {
+        double distance = -1;
+        std::size_t place = 0;
+    };
+    std::vector<Vec2> points;
+    for (const Place& place : places) points.push_back(place.at);
+    const mesh::TriangleLocator locator(mesh);
+    std::vector<Index> triangles(points.size());
+    locator.locate(points, triangles);
+    std::map<Index, Outermost> outermost;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        if (triangles[k] != kNone || chosen[k] != 0) continue;
+        const mesh::TrianglePlace nearest = locator.nearest(points[k]);
+        const Vec2 way = points[k] - mesh.origin - nearest.point;
+        Outermost& most = outermost[nearest.triangle];
+        if (dot(way, way) > most.distance) most = {dot(way, way), k};
+    }
+    for (const auto& [triangle, most] : outermost) chosen[most.place] = 1;
+    return !outermost.empty();
+}
+
+/// The Delaunay triangulation of the chosen places and of others that would lie outside: slivers
+/// at the hull are peeled off with what is in them.
+Result<mesh::Delaunay> triangulate(const std::vector<Place>& places, std::size_t most_vertices,
+                                   std::vector<std::uint8_t>& chosen) {
+    for (;;) {
+        std::vector<Vec2> vertices;
+        for (std::size_t k = 0; k < places.size(); ++k)
+            if (chosen[k] != 0) vertices.push_back(places[k].at);
+        RELIEF_TRY(mesh::Delaunay delaunay, mesh::delaunay(vertices, {kPeel}));
+        if (vertices.size() >= most_vertices || !add_outermost(delaunay.mesh, places, chosen))
+            return delaunay;
+    }
+}
+
 class Refiner {
   public:
     Refiner(const ScatteredData& data, const AdaptiveOptions& options)
@@ -147,14 +202,10 @@ class Refiner {
     };
 
     Result<AdaptiveSurface> fit() {
-        std::vector<Vec2> vertices;
+        RELIEF_TRY(mesh::Delaunay delaunay, triangulate(places_, options_.most_vertices, chosen_));
         std::vector<std::size_t> place_of_point;
-        for (std::size_t k = 0; k < places_.size(); ++k) {
-            if (chosen_[k] == 0) continue;
-            vertices.push_back(places_[k].at);
-            place_of_point.push_back(k);
-        }
-        RELIEF_TRY(mesh::Delaunay delaunay, mesh::delaunay(vertices, {kPeel}));
+        for (std::size_t k = 0; k < places_.size(); ++k)
+            if (chosen_[k] != 0) place_of_point.push_back(k);
         AdaptiveSurface surface;
         RELIEF_TRY(surface.space, make_space(std::move(delaunay.mesh)));
         const Space& space = surface.space;
@@ -233,8 +284,7 @@ class Refiner {
             std::size_t& best = worst[v.triangle];
             if (best == violators_.size() || v.off > violators_[best].off) best = k;
         }
-        std::size_t vertices =
-            static_cast<std::size_t>(std::count(chosen_.begin(), chosen_.end(), std::uint8_t{1}));
+        const std::size_t vertices = count_of(chosen_);
         std::size_t added = 0;
         for (const std::size_t k : worst) {
             if (k == violators_.size() || violators_[k].off < kShareOfWorst * worst_) continue;
@@ -276,27 +326,33 @@ Status check(const ScatteredData& data, const AdaptiveOptions& options) {
         return Error{ErrorCode::InvalidArgument,
                      "invalid_parameter: the bound is a number from 0 on", "max_error"};
     if (!(options.smoothing > 0) || std::isinf(options.smoothing))
-        return Error{ErrorCode::InvalidArgument,
-                     "invalid_parameter: smoothing is a number above 0", "smoothing"};
+        return Error{ErrorCode::InvalidArgument, "invalid_parameter: smoothing is a number above 0",
+                     "smoothing"};
     if (data.values.size() != data.points.size())
         return Error{ErrorCode::BadInput,
                      "size_mismatch: " + std::to_string(data.values.size()) + " values for " +
                          std::to_string(data.points.size()) + " points",
                      "points"};
-    for (std::size_t k = 0; k < data.points.size(); ++k) {
-        const Vec2 p = data.points[k];
-        const auto usable = [](double x) { return std::abs(x) <= kLargest; };
-        if (usable(p.x) && usable(p.y) && usable(data.values[k])) continue;
-        return Error{
-            ErrorCode::BadInput,
-            "non_finite_input: it is not made of numbers of at most 1e150; leave the point "
-            "out or correct it",
-            "point " + std::to_string(k)};
-    }
+    for (std::size_t k = 0; k < data.points.size(); ++k)
+        if (!usable(data.points[k].x) || !usable(data.points[k].y) || !usable(data.values[k]))
+            return not_usable(k);
     return {};
 }
 
 }  // namespace
+
+Result<mesh::Triangulation> spread_triangulation(std::span<const Vec2> points, std::size_t count) {
+    for (std::size_t k = 0; k < points.size(); ++k)
+        if (!usable(points[k].x) || !usable(points[k].y)) return not_usable(k);
+    const std::vector<double> no_values(points.size());
+    const std::vector<Place> places = places_of({points, no_values, {}});
+    std::vector<std::uint8_t> chosen(places.size(), 0);
+    add_hull(places, chosen);
+    const std::size_t hull = count_of(chosen);
+    if (!places.empty() && count > hull) add_spread(places, count - hull, chosen);
+    RELIEF_TRY(mesh::Delaunay delaunay, triangulate(places, kNoLimit, chosen));
+    return std::move(delaunay.mesh);
+}
 
 Result<AdaptiveSurface> fit_within(const ScatteredData& data, const AdaptiveOptions& options) {
     RELIEF_CHECK(check(data, options));

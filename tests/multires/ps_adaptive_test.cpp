@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "franke.h"
 #include "relief/mesh/triangle_locator.h"
@@ -106,6 +108,62 @@ TEST(PsAdaptive, BadInputIsNamed) {
         line.values.push_back(k);
     }
     EXPECT_EQ(fit_within(line.view(), {1}).error().message.substr(0, 16), "collinear_points");
+}
+
+TEST(PsAdaptive, VerticesAreSpreadOverTheHullAndTheMiddlesOfCells) {
+    // A lattice of 9 x 9: its hull are four corners, 9 cells have their middles at 4 + 8/3 i, next
+    // to which lie 1, 4 and 7. (4, 4) is there twice.
+    std::vector<Vec2> points{{4, 4}};
+    for (int y = 0; y < 9; ++y)
+        for (int x = 0; x < 9; ++x) points.push_back({double(x), double(y)});
+    const auto places = [&](std::size_t count) {
+        const auto mesh = spread_triangulation(points, count);
+        EXPECT_TRUE(mesh.ok());
+        std::vector<std::pair<double, double>> found;
+        for (mesh::Index v = 0; v < mesh->vertex_count(); ++v)
+            found.emplace_back(mesh->origin.x + mesh->x[v], mesh->origin.y + mesh->y[v]);
+        std::sort(found.begin(), found.end());
+        return found;
+    };
+    using Places = std::vector<std::pair<double, double>>;
+    EXPECT_EQ(places(14), (Places{{0, 0},
+                                  {0, 8},
+                                  {1, 1},
+                                  {1, 4},
+                                  {1, 7},
+                                  {4, 1},
+                                  {4, 4},
+                                  {4, 7},
+                                  {7, 1},
+                                  {7, 4},
+                                  {7, 7},
+                                  {8, 0},
+                                  {8, 8}}));
+    EXPECT_EQ(places(0), (Places{{0, 0}, {0, 8}, {8, 0}, {8, 8}}));
+    EXPECT_FALSE(spread_triangulation({}, 5).ok());
+}
+
+TEST(PsAdaptive, NoPointLiesOutside) {
+    // A bent side: triangles between it and its chords are slivers, which are peeled off.
+    Data data = franke_data(2000, 0);
+    for (int k = 0; k <= 200; ++k) {
+        const double t = k / 200.0;
+        data.points.push_back({t, -0.004 * t * (1 - t) * (k % 2 == 0 ? 1 : 0.9)});
+        data.values.push_back(test::franke(t, 0).value);
+    }
+    const auto outside = [&](const mesh::Triangulation& mesh) {
+        const mesh::TriangleLocator locator(mesh);
+        return std::count_if(data.points.begin(), data.points.end(),
+                             [&](Vec2 p) { return locator.locate(p) == mesh::kNone; });
+    };
+    const auto spread = spread_triangulation(data.points, 100);
+    ASSERT_TRUE(spread.ok());
+    EXPECT_EQ(outside(*spread), 0);
+    for (const double bound : {0.1, 0.01}) {
+        const auto surface = fit_within(data.view(), {bound});
+        ASSERT_TRUE(surface.ok());
+        EXPECT_EQ(outside(surface->space.mesh), 0);
+    }
 }
 
 }  // namespace

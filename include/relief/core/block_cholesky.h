@@ -40,7 +40,7 @@ enum class LostPivots {
              ///< known to be positive definite.
 };
 
-/// The factors L D L^T of a matrix whose block (v, w) is zero unless v = w or v and w are
+/// The factors L L^T of a matrix whose block (v, w) is zero unless v = w or v and w are
 /// neighbours. For planar graphs in the order of nested dissection they have O(n log n) blocks, and
 /// factoring takes O(n^1.5).
 class BlockCholesky {
@@ -71,7 +71,7 @@ class BlockCholesky {
     std::vector<std::uint64_t> first_;   ///< of each column among rows_
     std::vector<std::uint32_t> rows_;    ///< places below the diagonal, ascending
     std::vector<Block3> lower_;          ///< L, parallel to rows_
-    std::vector<Block3> inverse_;        ///< D^-1
+    std::vector<Block3> root_;           ///< diagonal blocks of L, their diagonals inverted
 };
 
 }  // namespace relief

@@ -15,5 +15,7 @@ enum class FileKind : std::uint8_t { Relief, Raster, Mesh, Points, Unknown };
 
 /// Whether a file of this name is to be a mesh: .obj .off .ply .stl .glb.
 [[nodiscard]] bool names_mesh(const std::string& path);
+/// Whether a file of this name is to hold points: .xyz .csv .txt.
+[[nodiscard]] bool names_points(const std::string& path);
 
 }  // namespace relief::io

@@ -17,6 +17,13 @@ struct ScatteredData {
     std::span<const double> weights;  ///< of the least squares, not negative; empty: all 1
 };
 
+/// The Delaunay triangulation of about `count` of the points, all over the domain: those of the
+/// convex hull, of each cell of a lattice that which is nearest to its middle, and a few more, so
+/// that no point lies outside. Errors: `non_finite_input`, those of mesh::delaunay. Complexity:
+/// O(n log n).
+[[nodiscard]] Result<mesh::Triangulation> spread_triangulation(std::span<const Vec2> points,
+                                                               std::size_t count);
+
 struct AdaptiveOptions {
     double max_error = 0;  ///< of every point, whatever its weight
     /// Vertices to begin with, beside those of the convex hull.
@@ -39,7 +46,8 @@ struct AdaptiveSurface {
 /// Fits a spline on the Delaunay triangulation of some of the points, makes those that are farthest
 /// off vertices, and repeats that until all points are within the bound. A vertex that least
 /// squares leave beyond it is moved into it, so that there is an end: at the latest when all places
-/// are vertices. Points at the same place need values no farther apart than twice the bound.
+/// are vertices. No point lies outside the triangulation, unless most_vertices is too few for that.
+/// Points at the same place need values no farther apart than twice the bound.
 /// Errors: `size_mismatch`, `non_finite_input`, those of mesh::delaunay and LeastSquares;
 /// InvalidArgument for a bound that is negative or not a number; Cancelled. Complexity: that of
 /// some ten fits, the last one with the most vertices.

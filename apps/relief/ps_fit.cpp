@@ -1,0 +1,183 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "mesh_verbs.h"
+#include "ps_verbs.h"
+#include "relief/codec/point_codec.h"
+#include "relief/io/file.h"
+
+namespace relief::cli {
+
+namespace ps = multires::ps;
+
+namespace {
+
+Result<ps::GradientRule> gradient_rule(const std::string& name) {
+    using Rule = ps::GradientRule;
+    if (name.empty() || name == "adaptive") return Rule::Adaptive;
+    if (name == "quadratic") return Rule::Quadratic;
+    if (name == "plane") return Rule::Plane;
+    if (name == "zero") return Rule::Zero;
+    return Error{ErrorCode::InvalidArgument,
+                 "--gradients are adaptive, quadratic, plane or zero, not '" + name + "'", ""};
+}
+
+/// Options that do not go together.
+Status check(const FitVerb& verb) {
+    const auto wrong = [](const char* message) {
+        return Error{ErrorCode::InvalidArgument, message, ""};
+    };
+    const bool least_squares = verb.vertices || !verb.mesh.empty();
+    const bool bounded = verb.goal && verb.goal->kind == codec::Goal::Kind::MaxError;
+    if (verb.vertices && !verb.mesh.empty())
+        return wrong("--vertices and --mesh exclude each other");
+    if (verb.vertices && *verb.vertices < 3) return wrong("--vertices must be at least 3");
+    if (!verb.gradients.empty() && least_squares)
+        return wrong("--gradients are for interpolation, without --vertices and --mesh");
+    if (verb.levels != 0 && !least_squares) return wrong("--levels needs --vertices or --mesh");
+    if (verb.smoothing && !least_squares && !(bounded && verb.gradients.empty()))
+        return wrong("--smoothing needs --vertices, --mesh or --max-error");
+    if (verb.smoothing && !(*verb.smoothing >= 0 && std::isfinite(*verb.smoothing)))
+        return wrong("--smoothing must be a number from 0 on");
+    return {};
+}
+
+/// What the options ask for: interpolation, if they leave it open.
+Result<codec::PointMethod> method_of(const FitVerb& verb) {
+    RELIEF_CHECK(check(verb));
+    const bool bounded = verb.goal && verb.goal->kind == codec::Goal::Kind::MaxError;
+    if (verb.gradients.empty() && bounded && verb.mesh.empty() && verb.levels == 0) {
+        codec::Insertion insertion;
+        if (verb.vertices) insertion.most_vertices = static_cast<std::size_t>(*verb.vertices);
+        insertion.smoothing = verb.smoothing;
+        return codec::PointMethod(insertion);
+    }
+    if (!verb.vertices && verb.mesh.empty()) {
+        RELIEF_TRY(const ps::GradientRule rule, gradient_rule(verb.gradients));
+        return codec::PointMethod(codec::Interpolation{{.rule = rule}});
+    }
+    codec::Approximation approximation;
+    approximation.levels = verb.levels;
+    approximation.smoothing = verb.smoothing;
+    if (verb.vertices) {
+        approximation.base = static_cast<std::size_t>(*verb.vertices);
+    } else {
+        RELIEF_TRY(const PolygonMesh mesh, read_polygons(verb.mesh));
+        RELIEF_TRY(approximation.base, triangulation_of(mesh, verb.mesh));
+    }
+    return codec::PointMethod(std::move(approximation));
+}
+
+Json report_json(const codec::PsReport& report) {
+    Json json{{"scheme", "powell-sabin"}, {"order", 2}, {"levels", report.levels}};
+    json.update(rate_json(report));
+    json.update(Json{{"vertices", report.vertices},
+                     {"triangles", report.triangles},
+                     {"delaunay", report.delaunay},
+                     {"base_bytes", report.base_bytes},
+                     {"surface_bound", json_number(report.surface_bound)}});
+    return json;
+}
+
+std::string text_of(const std::string& out, const codec::PsReport& report, const char* what) {
+    return fmt::format(
+        "{}: {} {} -> {} bytes, {:.4g} bits each\n"
+        "scheme powell-sabin on {} vertices and {} triangles, {} levels; {} of {} numbers kept\n"
+        "max error {}, rms error {}\n",
+        out, grouped(report.samples), what, grouped(static_cast<std::int64_t>(report.bytes)),
+        report.bits_per_sample, grouped(report.vertices), grouped(report.triangles), report.levels,
+        grouped(report.kept), grouped(report.coefficients), shown(report.max_error),
+        shown(report.rms_error));
+}
+
+std::string notes_of(const codec::EncodedPoints& encoded, const std::optional<codec::Goal>& goal) {
+    const auto count = [](std::size_t n, const char* what) {
+        return n == 0 ? "" : fmt::format("{} {}\n", grouped(static_cast<std::int64_t>(n)), what);
+    };
+    std::string text;
+    if (encoded.smoothing) text += fmt::format("smoothing {}\n", shown(*encoded.smoothing));
+    text +=
+        count(encoded.merged, "points lie where others do: the surface passes through the mean");
+    text += count(encoded.outside, "points lie outside the mesh and were left out");
+    if (encoded.beyond > 0)
+        text += count(encoded.beyond, fmt::format("points are not within {}: {}",
+                                                  shown(goal->value), encoded.reason)
+                                          .c_str());
+    return text;
+}
+
+}  // namespace
+
+Result<Outcome> fit_points(const FitVerb& verb, const Globals& globals) {
+    const Stopwatch watch;
+    RELIEF_TRY(const codec::PointMethod method, method_of(verb));
+    RELIEF_TRY(const io::PointColumns columns, columns_of(verb.columns));
+    RELIEF_TRY(const io::PointSet points, io::read_points(verb.in, columns));
+    const auto encoded = codec::encode_points({points.places, points.values, points.weights},
+                                              method, verb.goal, progress_bar(globals, "fitting"));
+    if (!encoded.ok()) return located(encoded.error(), verb.in);
+    RELIEF_CHECK(io::write_file_atomically(verb.out, encoded->bytes));
+    Outcome outcome;
+    outcome.json = Json{{"points", points.places.size()}};
+    outcome.json.update(report_json(encoded->report));
+    outcome.json.update(Json{{"smoothing", json_number(encoded->smoothing)},
+                             {"merged", encoded->merged},
+                             {"outside", encoded->outside},
+                             {"beyond", encoded->beyond},
+                             {"reason", encoded->reason},
+                             {"seconds", watch.seconds()}});
+    outcome.text = text_of(verb.out, encoded->report, "points") + notes_of(*encoded, verb.goal);
+    return outcome;
+}
+
+Result<mesh::Triangulation> triangulation_of(const PolygonMesh& polygons, const std::string& path) {
+    std::vector<Vec2> vertices;
+    for (const auto& v : polygons.vertices) vertices.push_back({v[0], v[1]});
+    std::vector<std::array<mesh::Index, 3>> triangles;
+    for (std::int64_t k = 0; k < polygons.polygon_count(); ++k) {
+        const auto polygon = polygons.polygon(k);
+        if (polygon.size() != 3)
+            return Error{ErrorCode::BadInput,
+                         fmt::format("not_a_triangle: it has {} corners; cut it into triangles "
+                                     "first",
+                                     polygon.size()),
+                         fmt::format("{}, polygon {}", path, k)};
+        auto& triangle = triangles.emplace_back();
+        std::transform(polygon.begin(), polygon.end(), triangle.begin(),
+                       [](std::int32_t v) { return static_cast<mesh::Index>(v); });
+    }
+    auto mesh = mesh::build(vertices, triangles, {.check_overlap = true});
+    if (!mesh.ok()) return located(mesh.error(), path);
+    return mesh;
+}
+
+Result<Outcome> encode_triangles(const std::string& in, const std::string& out,
+                                 const SchemeOptions& scheme, const codec::Goal& goal,
+                                 const Globals& globals) {
+    const Stopwatch watch;
+    SchemeOptions plain;
+    plain.scheme = scheme.scheme;
+    if (!(scheme == plain))
+        return Error{ErrorCode::InvalidArgument,
+                     "--scheme powell-sabin takes a mesh as it is: --levels and options of other "
+                     "schemes do not apply",
+                     ""};
+    RELIEF_TRY(const PolygonMesh polygons, read_polygons(in));
+    RELIEF_TRY(mesh::Triangulation base, triangulation_of(polygons, in));
+    std::vector<double> heights;
+    for (const auto& v : polygons.vertices) heights.push_back(v[2]);
+    const codec::PsModel model{std::move(base), codec::PsValues{{std::move(heights)}}};
+    const auto encoded =
+        codec::encode_ps(model, {.goal = goal, .progress = progress_bar(globals, "encoding")});
+    if (!encoded.ok()) return located(encoded.error(), in);
+    RELIEF_CHECK(io::write_file_atomically(out, encoded->bytes));
+    Outcome outcome;
+    outcome.json = report_json(encoded->report);
+    outcome.json["seconds"] = watch.seconds();
+    outcome.text = text_of(out, encoded->report, "vertices");
+    return outcome;
+}
+
+}  // namespace relief::cli

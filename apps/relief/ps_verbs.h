@@ -1,0 +1,113 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "command.h"
+#include "relief/codec/ps_codec.h"
+#include "relief/core/polygon_mesh.h"
+#include "relief/io/image.h"
+#include "relief/io/points.h"
+#include "relief/mesh/triangulation.h"
+#include "relief/multires/ps_surface.h"
+
+/// The verbs on scattered points and on .relief files of Powell-Sabin splines. The verbs' own files
+/// parse the options and come here by what the input is.
+namespace relief::cli {
+
+/// A .relief file that holds a Powell-Sabin spline. False for anything else, also if it is damaged.
+[[nodiscard]] bool holds_ps(const std::string& path);
+/// A file of scattered points.
+[[nodiscard]] bool is_points(const std::string& path);
+
+[[nodiscard]] Result<codec::PsFile> open_ps(const std::string& path,
+                                            std::optional<std::uint64_t> max_bytes = {});
+
+/// A level of a file, ready to be evaluated.
+struct PsLevel {
+    std::unique_ptr<const codec::PsSurface> data;
+    multires::ps::Surface surface;
+
+    [[nodiscard]] const multires::ps::Space& space() const { return data->space; }
+};
+[[nodiscard]] Result<PsLevel> open_level(const codec::PsFile& file, int level);
+
+/// "X,Y,Z" or "X,Y,Z,W": names or numbers of columns. Empty: those with well-known names.
+[[nodiscard]] Result<io::PointColumns> columns_of(const std::string& text);
+/// Says what --columns takes, for --help.
+inline constexpr const char* kColumnsHelp =
+    "X,Y,VALUE[,WEIGHT] of points: names or numbers (from 1) of columns; default: by known names, "
+    "else the first three";
+
+struct FitVerb {
+    std::string in;
+    std::string out;
+    std::optional<codec::Goal> goal = {};
+    std::optional<std::int64_t> vertices = {};
+    std::string mesh = {};
+    std::optional<double> smoothing = {};
+    std::string gradients = {};
+    int levels = 0;
+    std::string columns = {};
+};
+[[nodiscard]] Result<Outcome> fit_points(const FitVerb& verb, const Globals& globals);
+
+/// Triangles over the plane, with values at their vertices.
+[[nodiscard]] Result<Outcome> encode_triangles(const std::string& in, const std::string& out,
+                                               const SchemeOptions& scheme, const codec::Goal& goal,
+                                               const Globals& globals);
+/// The triangulation of a mesh of triangles over the plane, as seen from above. Errors:
+/// `not_a_triangle` and those of mesh::build.
+[[nodiscard]] Result<mesh::Triangulation> triangulation_of(const PolygonMesh& mesh,
+                                                           const std::string& path);
+
+struct PsDecodeVerb {
+    std::string in;
+    std::string out;
+    int level = 0;
+    std::optional<std::uint64_t> max_bytes;
+    std::optional<double> cell;
+    double scale = 1;
+    std::vector<std::int64_t> window;
+};
+/// By the extension of OUT a mesh, Bezier triangles (.vtu), a table of vertices (.csv) or a raster.
+[[nodiscard]] Result<Outcome> decode_ps(const PsDecodeVerb& verb, const Globals& globals);
+/// The triangulation with the heights of the spline; a surface in space for three components.
+[[nodiscard]] Result<PolygonMesh> polygons_of(const PsLevel& level);
+
+/// The six quadratic Bezier triangles of each triangle as a .vtu file, with fields "value" and, of
+/// the first component, "gradient".
+[[nodiscard]] Status write_bezier(const PsLevel& level, const std::string& path);
+
+[[nodiscard]] Result<Outcome> info_of_ps(const std::string& path);
+[[nodiscard]] Result<Outcome> info_of_points(const std::string& path);
+
+/// Points with a surface, at the points; or two surfaces, at the vertices of A and all over it.
+[[nodiscard]] Result<Outcome> compare_ps(const std::string& a, const std::string& b,
+                                         const std::string& columns);
+/// `moves`: "INDEX:DZ[,DX,DY]".
+[[nodiscard]] Result<Outcome> edit_ps(const std::string& in, const std::string& out, int level,
+                                      const std::vector<std::string>& moves);
+
+/// The jets of all components at each point: out[point * components + component]; all NaN outside.
+struct PsJets {
+    int components = 1;
+    std::vector<spline::PlaneJet> jets;
+};
+[[nodiscard]] Result<PsJets> evaluate_ps(const std::string& path, const std::vector<Vec2>& points);
+
+/// A level as a raster of about so many columns over its extent.
+[[nodiscard]] Result<Raster> picture_raster(const std::string& path, int level, int columns);
+
+struct PsWireVerb {
+    int width = 1200;
+    double exaggeration = 0;           ///< 0: from the mean slope
+    std::optional<double> viewer;      ///< degrees clockwise from north
+    std::optional<int> control_level;  ///< its control triangles over the surface
+};
+/// The surface in perspective with its triangles, or with control triangles.
+[[nodiscard]] Result<io::Image> draw_ps(const std::string& path, const PsWireVerb& verb);
+
+}  // namespace relief::cli

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "relief/codec/ps_codec.h"
+#include "relief/multires/ps_adaptive.h"
+
+/// Surfaces through and near scattered points, as .relief files. Source: powell-sabin.md section
+/// 12; docs/scattered.md.
+namespace relief::codec {
+
+/// The spline through all points, on their Delaunay triangulation. Points at one place count as
+/// one, with the weighted mean of their values.
+struct Interpolation {
+    multires::ps::GradientOptions gradients = {};
+};
+
+/// The spline nearest to the points by smoothed least squares.
+struct Approximation {
+    /// About how many vertices, which are points all over the domain; or the triangles.
+    std::variant<std::size_t, mesh::Triangulation> base;
+    int levels = 0;  ///< refinements of the base, each into nine times as many triangles
+    std::optional<double> smoothing = {};  ///< none: by cross validation (multires/ps_fit.h)
+};
+
+/// A spline on some of the points, with more vertices where points are farther off than the goal,
+/// which is a largest error.
+struct Insertion {
+    std::size_t most_vertices = static_cast<std::size_t>(-1);
+    std::optional<double> smoothing = {};  ///< above 0; none: 1e-10, or interpolation if smaller
+};
+
+using PointMethod = std::variant<Interpolation, Approximation, Insertion>;
+
+struct EncodedPoints {
+    Bytes bytes;
+    PsReport report;
+    std::optional<double> smoothing;  ///< of the least squares
+    std::size_t merged = 0;           ///< Interpolation: points that share the vertex of another
+    std::size_t outside = 0;  ///< Approximation: points outside the base, which are left out
+    std::size_t beyond = 0;   ///< Insertion: points that are not within the goal
+    std::string reason;       ///< why they are not; empty if there are none
+};
+
+/// Goals as encode_ps, measured at the points. None: for least squares the error of the spline may
+/// grow by a thousandth, otherwise lossless. Insertion divides a largest error between spline
+/// and code as makes the smallest file of up to three; if the spline needs more than most_vertices,
+/// `beyond` says how many points are off, and the code adds a quarter of the bound at most.
+/// Errors: those of mesh::delaunay, multires::ps and encode_ps; BadInput `bound_not_reached` if a
+/// goal is out of reach, with the reason, `no_data` if no point lies on the base; InvalidArgument
+/// for an Insertion with another goal, and for a finest level of more than 2^23 vertices;
+/// Cancelled.
+[[nodiscard]] Result<EncodedPoints> encode_points(const multires::ps::ScatteredData& data,
+                                                  const PointMethod& method,
+                                                  std::optional<Goal> goal = {},
+                                                  const Progress& progress = {});
+
+}  // namespace relief::codec

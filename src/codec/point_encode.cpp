@@ -1,0 +1,257 @@
+#include <algorithm>
+#include <cmath>
+
+#include "relief/codec/point_codec.h"
+#include "relief/mesh/delaunay.h"
+#include "relief/mesh/triangle_locator.h"
+#include "relief/multires/ps_refine.h"
+#include "relief/multires/ps_surface.h"
+
+namespace relief::codec {
+
+namespace ps = multires::ps;
+using mesh::Index;
+using mesh::kNone;
+
+namespace {
+
+constexpr std::size_t kMostFineVertices = std::size_t{1} << 23;
+/// How much of the root mean square error coding may add where nothing is asked.
+constexpr double kNegligible = 1e-3;
+/// Parts of a bound that the spline may take; the code has the rest. The first makes the smallest
+/// files where vertices are few, the second where more than a third of the points are vertices.
+constexpr double kShareOfFew = 0.9;
+constexpr double kShareOfMany = 0.7;
+constexpr double kSmoothing = 1e-10;
+/// What code may add to the error of a spline that is not within the bound, in parts of the bound.
+constexpr double kCodeShare = 0.25;
+
+/// Points with values and weights of their own.
+struct OwnedData {
+    std::vector<Vec2> points;
+    std::vector<double> values;
+    std::vector<double> weights;
+
+    OwnedData() = default;
+    explicit OwnedData(const ps::ScatteredData& data)
+        : points(data.points.begin(), data.points.end()),
+          values(data.values.begin(), data.values.end()),
+          weights(data.weights.begin(), data.weights.end()) {}
+
+    [[nodiscard]] PsData measured() && {
+        return {std::move(points), {std::move(values)}, std::move(weights)};
+    }
+};
+
+Status check(const ps::ScatteredData& data) {
+    const std::size_t points = data.points.size();
+    if (data.values.size() == points && (data.weights.empty() || data.weights.size() == points))
+        return {};
+    return Error{ErrorCode::BadInput,
+                 "size_mismatch: " + std::to_string(points) + " points have " +
+                     std::to_string(data.values.size()) + " values and " +
+                     std::to_string(data.weights.size()) + " weights",
+                 "points"};
+}
+
+/// A goal that can not be reached is a matter of the data.
+Result<EncodedPs> encode(const PsModel& model, const Goal& goal, bool keep_order,
+                         const Progress& progress) {
+    auto encoded = encode_ps(model, {.goal = goal, .keep_order = keep_order, .progress = progress});
+    if (encoded.ok() || encoded.error().code != ErrorCode::InvalidArgument) return encoded;
+    return Error{ErrorCode::BadInput, "bound_not_reached: " + encoded.error().message,
+                 encoded.error().where};
+}
+
+/// The weighted mean of the values at each vertex; the plain one where all weights are zero.
+std::vector<double> means(const ps::ScatteredData& data, const mesh::Delaunay& delaunay) {
+    struct Sum {
+        double values = 0;
+        double count = 0;
+        double weighted = 0;
+        double weights = 0;
+    };
+    std::vector<Sum> sums(delaunay.mesh.vertex_count());
+    for (std::size_t k = 0; k < data.points.size(); ++k) {
+        Sum& sum = sums[delaunay.vertex_of_point[k]];
+        const double weight = data.weights.empty() ? 1 : data.weights[k];
+        sum.values += data.values[k];
+        sum.count += 1;
+        sum.weighted += weight * data.values[k];
+        sum.weights += weight;
+    }
+    std::vector<double> means(sums.size());
+    std::transform(sums.begin(), sums.end(), means.begin(), [](const Sum& sum) {
+        return sum.weights > 0 ? sum.weighted / sum.weights : sum.values / sum.count;
+    });
+    return means;
+}
+
+Result<EncodedPoints> interpolate(const ps::ScatteredData& data, const Interpolation& method,
+                                  const std::optional<Goal>& goal, const Progress& progress) {
+    RELIEF_TRY(mesh::Delaunay delaunay, mesh::delaunay(data.points));
+    PsValues values{{means(data, delaunay)}, method.gradients};
+    EncodedPoints result;
+    result.merged = data.points.size() - delaunay.mesh.vertex_count();
+    const PsModel model{std::move(delaunay.mesh), std::move(values), OwnedData(data).measured()};
+    RELIEF_TRY(EncodedPs encoded,
+               encode(model, goal.value_or(Goal{Goal::Kind::Lossless, 0}), false, progress));
+    result.bytes = std::move(encoded.bytes);
+    result.report = encoded.report;
+    return result;
+}
+
+/// Triangles grow by nine a level, and there are about half as many vertices.
+Status check_levels(const mesh::Triangulation& base, int levels) {
+    std::size_t triangles = base.triangles.size();
+    for (int level = 0; level < levels; ++level) {
+        triangles *= 9;
+        if (triangles / 2 > kMostFineVertices)
+            return Error{ErrorCode::InvalidArgument,
+                         "too_many_elements: " + std::to_string(levels) +
+                             " levels make more than 2^23 vertices; ask for fewer, or for a "
+                             "smaller base",
+                         ""};
+    }
+    return {};
+}
+
+/// Where the data are on a triangulation.
+struct Located {
+    OwnedData data;                ///< those on a triangle
+    std::vector<Index> triangles;  ///< of each of them
+};
+
+Located locate(const mesh::Triangulation& mesh, const ps::ScatteredData& all) {
+    const mesh::TriangleLocator locator(mesh);
+    std::vector<Index> triangles(all.points.size());
+    locator.locate(all.points, triangles);
+    Located found;
+    for (std::size_t k = 0; k < triangles.size(); ++k) {
+        if (triangles[k] == kNone) continue;
+        found.triangles.push_back(triangles[k]);
+        found.data.points.push_back(all.points[k]);
+        found.data.values.push_back(all.values[k]);
+        if (!all.weights.empty()) found.data.weights.push_back(all.weights[k]);
+    }
+    return found;
+}
+
+Result<EncodedPoints> approximate(const ps::ScatteredData& data, const Approximation& method,
+                                  const std::optional<Goal>& goal, const Progress& progress) {
+    const auto* given = std::get_if<mesh::Triangulation>(&method.base);
+    mesh::Triangulation base;
+    if (given != nullptr) {
+        base = *given;
+    } else {
+        RELIEF_TRY(base, ps::spread_triangulation(data.points, std::get<std::size_t>(method.base)));
+    }
+    RELIEF_CHECK(check_levels(base, method.levels));
+    RELIEF_TRY(ps::Space space, ps::make_space(base));
+    for (int level = 0; level < method.levels; ++level) {
+        RELIEF_TRY(ps::Refinement step, ps::refine(space));
+        space = std::move(step.fine);
+    }
+
+    Located located = locate(space.mesh, data);
+    EncodedPoints result;
+    result.outside = data.points.size() - located.triangles.size();
+    if (located.triangles.empty())
+        return Error{ErrorCode::BadInput,
+                     "no_data: none of the points lies on the triangles; compare their extents",
+                     "points"};
+    RELIEF_TRY(const ps::LeastSquares squares,
+               ps::LeastSquares::create(
+                   space, {located.data.points, located.triangles, located.data.weights}));
+    RELIEF_TRY(ps::FittedSpline fitted, squares.fit(located.data.values, method.smoothing));
+    result.smoothing = fitted.report.smoothing;
+    const double rms = fitted.report.rms_error;
+    const PsModel model{std::move(base), PsSplines{method.levels, {std::move(fitted.spline)}},
+                        std::move(located.data).measured()};
+    const Goal close = rms > 0 ? Goal{Goal::Kind::RmsError, (1 + kNegligible) * rms}
+                               : Goal{Goal::Kind::Lossless, 0};
+    RELIEF_TRY(EncodedPs encoded, encode(model, goal.value_or(close), given != nullptr, progress));
+    result.bytes = std::move(encoded.bytes);
+    result.report = encoded.report;
+    return result;
+}
+
+/// How many points the decoded surface misses by more than the bound.
+Result<std::size_t> count_beyond(const ps::ScatteredData& data, Bytes bytes, double bound) {
+    RELIEF_TRY(const PsFile file, PsFile::open(std::move(bytes)));
+    RELIEF_TRY(const PsSurface level, file.surface(0));
+    RELIEF_TRY(const ps::Surface surface, ps::Surface::create(level.space, level.components));
+    std::vector<spline::PlaneJet> jets(data.points.size());
+    RELIEF_CHECK(ps::evaluate(surface, mesh::TriangleLocator(level.space.mesh), data.points, jets,
+                              ps::Outside::Nearest));
+    std::size_t beyond = 0;
+    for (std::size_t k = 0; k < jets.size(); ++k)
+        beyond += std::abs(jets[k].value - data.values[k]) > bound;
+    return beyond;
+}
+
+/// The spline within a share of the bound, coded within all of it.
+Result<EncodedPoints> insert_within(const ps::ScatteredData& data, const Insertion& method,
+                                    double bound, double share, const Progress& progress) {
+    RELIEF_TRY(ps::AdaptiveSurface surface,
+               ps::fit_within(data, {.max_error = share * bound,
+                                     .most_vertices = method.most_vertices,
+                                     .smoothing = method.smoothing.value_or(kSmoothing),
+                                     .progress = progress}));
+    const double error = surface.report.max_error;
+    const bool limited = surface.space.mesh.vertex_count() >= method.most_vertices;
+    if (error > bound && !limited)
+        return Error{ErrorCode::BadInput, "bound_not_reached: " + surface.reason, "points"};
+    EncodedPoints result;
+    result.smoothing = surface.report.smoothing;
+    const Goal goal{Goal::Kind::MaxError, error > bound ? error + kCodeShare * bound : bound};
+    const PsModel model{std::move(surface.space.mesh), PsSplines{0, {std::move(surface.spline)}},
+                        OwnedData(data).measured()};
+    RELIEF_TRY(EncodedPs encoded, encode(model, goal, false, progress));
+    result.bytes = std::move(encoded.bytes);
+    result.report = encoded.report;
+    if (result.report.max_error > bound) {
+        RELIEF_TRY(result.beyond, count_beyond(data, result.bytes, bound));
+        result.reason = surface.reason;
+    }
+    return result;
+}
+
+Result<EncodedPoints> insert(const ps::ScatteredData& data, const Insertion& method,
+                             const std::optional<Goal>& goal, const Progress& progress) {
+    if (!goal || goal->kind != Goal::Kind::MaxError)
+        return Error{ErrorCode::InvalidArgument, "vertices are inserted for a largest error only",
+                     ""};
+    const auto trial = [&](double share) {
+        return insert_within(data, method, goal->value, share, progress);
+    };
+    auto best = trial(kShareOfFew);
+    // Values at one place may be apart by nearly twice the bound.
+    if (!best.ok() && best.error().code == ErrorCode::BadInput) best = trial(1);
+    const std::size_t points = data.points.size();
+    if (!best.ok() || best->beyond > 0 ||
+        3 * static_cast<std::size_t>(best->report.vertices) <= points)
+        return best;
+    const auto keep_smaller = [&](Result<EncodedPoints> other) {
+        if (other.ok() && other->bytes.size() < best->bytes.size()) best = std::move(other);
+    };
+    keep_smaller(trial(kShareOfMany));
+    if (!method.smoothing && points <= method.most_vertices)
+        keep_smaller(interpolate(data, {}, goal, progress));
+    if (progress && !progress(1)) return Error{ErrorCode::Cancelled, "cancelled", ""};
+    return best;
+}
+
+}  // namespace
+
+Result<EncodedPoints> encode_points(const ps::ScatteredData& data, const PointMethod& method,
+                                    std::optional<Goal> goal, const Progress& progress) {
+    RELIEF_CHECK(check(data));
+    if (const auto* interpolation = std::get_if<Interpolation>(&method))
+        return interpolate(data, *interpolation, goal, progress);
+    if (const auto* approximation = std::get_if<Approximation>(&method))
+        return approximate(data, *approximation, goal, progress);
+    return insert(data, std::get<Insertion>(method), goal, progress);
+}
+
+}  // namespace relief::codec
