@@ -9,7 +9,7 @@ help:
 	@echo "make demo       encode, decode, compare and draw a real elevation model (build/demo)"
 	@echo "make test       build and run all tests"
 	@echo "make build      build only: $(BUILD)/relief"
-	@echo "make bench      benchmarks and the comparison with other codecs, in one run"
+	@echo "make bench      benchmarks and the comparisons with other libraries, in one run"
 	@echo "make reproduce  the source papers' numbers beside ours"
 	@echo "make check      formatting, static analysis, include rule, links and examples of the documentation"
 	@echo "make format     apply the formatting"
@@ -30,7 +30,7 @@ test: build
 	@tools/check_includes
 	@ctest --test-dir $(BUILD) --output-on-failure -j $(JOBS)
 
-# Codecs that can not be installed are left out of the comparison. BENCH=--quick or --peers: see tools/bench.
+# Libraries that can not be installed are left out of the comparisons. BENCH=--quick, --peers or --meshes: see tools/bench.
 bench:
 	@tools/setup bench/packages.txt || true
 	@$(MAKE) --no-print-directory build

@@ -71,7 +71,8 @@ inline PsSplines splines_on(const mesh::Triangulation& mesh, int levels, int com
 }
 
 /// Small files of every kind: values and coefficients, with triangles that follow from the vertices
-/// or not, decimals, steps and doubles, one and two components, levels, corrections, moves.
+/// or not, decimals, steps and doubles, places
+/// along lines, one and two components, levels, corrections, moves.
 inline const std::vector<Bytes>& valid_ps_files() {
     static const auto files = [] {
         using Kind = Goal::Kind;
@@ -90,6 +91,11 @@ inline const std::vector<Bytes>& valid_ps_files() {
         add(few, splines_on(few, 2, 1), {Kind::MaxError, 0.01});
         add(few, splines_on(few, 1, 2), {Kind::Lossless, 0});
         add(doubles, splines_on(doubles, 1, 1), {Kind::Keep, 50});
+        std::vector<Vec2> lines;
+        for (int k = 0; k < 60; ++k)
+            lines.push_back({1.0 * (k % 20), 30.0 * (k / 20) + 0.5 * (k % 3)});
+        const auto tracks = (*mesh::delaunay(lines)).mesh;
+        add(tracks, values_on(tracks, 1, 0.1), {Kind::MaxError, 1});
         coded.push_back(*add_ps_moves(coded[4], {{0, 3, 0, 0.5, {}}, {2, 1, 0, -1, {1, 2}}}));
         return coded;
     }();

@@ -7,6 +7,7 @@ import statistics
 import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+PROGRAM = pathlib.Path("bench") / "peers" / "relief_peers"
 # The folder of rasters: *.tif in RELIEF_DATA/terrain.
 DATA = pathlib.Path(os.environ.get("RELIEF_DATA", ROOT.parent / "shared" / "data")) / "terrain"
 # The demo terrain under another name.
@@ -95,8 +96,7 @@ def rasters(output: pathlib.Path, quick: bool) -> list[pathlib.Path]:
 
 
 def run(build: pathlib.Path, output: pathlib.Path, quick: bool) -> Lines:
-    program = build / "bench" / "peers" / "relief_peers"
-    command = [program, *(["--once"] if quick else []), *rasters(output, quick)]
+    command = [build / PROGRAM, *(["--once"] if quick else []), *rasters(output, quick)]
     raw = output / "peers.jsonl"
     with raw.open("w") as out:
         subprocess.run(command, check=True, stdout=out)
@@ -290,6 +290,11 @@ SECTIONS = [
 ]
 
 
-def report(lines: Lines) -> str:
+def sections(lines, tables) -> str:
+    """The libraries of a comparison and its tables."""
     libraries = ", ".join(f"{name} {version or 'not installed'}" for name, version in lines.libraries.items())
-    return "\n\n".join([libraries, *(f"### {title}\n\n{table(lines)}" for title, table in SECTIONS)])
+    return "\n\n".join([libraries, *(f"### {title}\n\n{table(lines)}" for title, table in tables)])
+
+
+def report(lines: Lines) -> str:
+    return sections(lines, SECTIONS)

@@ -34,16 +34,17 @@ Status check_scheme(const SchemeOptions& scheme) {
     return {};
 }
 
-std::string text_of(const std::string& out, const codec::MeshReport& report) {
+std::string text_of(const std::string& out, codec::MeshDistance distance,
+                    const codec::MeshReport& report) {
     std::string text = fmt::format(
         "{}: {} vertices, {} faces -> {} bytes, {:.4g} bits a vertex\n"
         "scheme {}, {} levels over {} faces; {} of {} vectors kept\n"
-        "vertices: max error {}, rms error {}\n",
+        "{}: max error {}, rms error {}\n",
         out, grouped(report.samples), grouped(report.faces),
         grouped(static_cast<std::int64_t>(report.bytes)), report.bits_per_sample,
         multires::mesh_scheme_name(report.scheme), report.levels, grouped(report.base_faces),
-        grouped(report.kept), grouped(report.coefficients), shown(report.max_error),
-        shown(report.rms_error));
+        grouped(report.kept), grouped(report.coefficients), mesh_distance_name(distance),
+        shown(report.max_error), shown(report.rms_error));
     if (report.lost_creases > 0)
         text += fmt::format(
             "warning: crease_without_parent: {} sharp edges are no part of sharp edges of the "
@@ -199,12 +200,18 @@ Result<Outcome> encode_mesh(const MeshEncodeVerb& verb, const SchemeOptions& sch
     RELIEF_CHECK(check_scheme(scheme));
     codec::MeshEncodeOptions options;
     options.goal = verb.goal;
+    options.distance = verb.distance;
     options.levels = scheme.levels;
     options.keep_order = !verb.reorder;
     options.progress = progress_bar(globals, "encoding");
     if (!scheme.scheme.empty()) {
         RELIEF_TRY(options.scheme, mesh_scheme(scheme.scheme));
     }
+    if (verb.alpha && options.scheme != MeshScheme::Sqrt3)
+        return Error{ErrorCode::InvalidArgument, "--alpha is for --scheme sqrt3", ""};
+    options.alpha = verb.alpha;
+    for (const multires::LiftKind kind : multires::kLiftKinds)
+        if (verb.lift == multires::lift_name(kind)) options.lift = kind;
     RELIEF_TRY(PolygonMesh mesh, read_polygons(verb.in));
     std::string repairs;
     if (verb.repair) {
@@ -225,8 +232,9 @@ Result<Outcome> encode_mesh(const MeshEncodeVerb& verb, const SchemeOptions& sch
                              {"base_vertices", report.base_vertices},
                              {"base_faces", report.base_faces},
                              {"lost_creases", report.lost_creases},
+                             {"distance", mesh_distance_name(verb.distance)},
                              {"seconds", watch.seconds()}});
-    outcome.text = repairs + text_of(verb.out, report);
+    outcome.text = repairs + text_of(verb.out, verb.distance, report);
     return outcome;
 }
 
@@ -298,6 +306,7 @@ Result<Outcome> info_of_mesh_file(const std::string& path) {
                         {"bytes", file.size()},
                         {"max_error", json_number(file.max_error())},
                         {"rms_error", json_number(file.rms_error())},
+                        {"distance", mesh_distance_name(file.distance())},
                         {"bound", json_number(file.bound(0))},
                         {"edits", file.moves().size()},
                         {"crs", ""},
@@ -314,8 +323,9 @@ Result<Outcome> info_of_mesh_file(const std::string& path) {
         outcome.text += fmt::format("edited by {} move{}\n", file.moves().size(),
                                     file.moves().size() == 1 ? "" : "s");
     else
-        outcome.text += fmt::format("vertices within {} of the original (rms {})\n",
-                                    shown(file.max_error()), shown(file.rms_error()));
+        outcome.text += fmt::format("{} within {} of the original (rms {})\n",
+                                    mesh_distance_name(file.distance()), shown(file.max_error()),
+                                    shown(file.rms_error()));
     outcome.text += "level     vertices        faces      bytes to read\n";
     for (const Json& level : levels)
         outcome.text += fmt::format("{:5} {:>12} {:>12} {:>18}\n", level["level"].get<int>(),

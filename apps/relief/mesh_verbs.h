@@ -29,8 +29,11 @@ struct MeshEncodeVerb {
     std::string in;
     std::string out;
     codec::Goal goal;
+    codec::MeshDistance distance = codec::MeshDistance::Vertices;
     bool reorder = false;
     bool repair = false;
+    std::optional<double> alpha = {};
+    std::string lift = {};  ///< lift_name; empty: the library's choice
 };
 /// Whether `encode` takes a mesh as a subdivision surface: it is asked to, or the mesh is not made
 /// of quads over the plane.

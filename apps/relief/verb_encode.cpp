@@ -18,8 +18,11 @@ struct Encode {
     bool lossless = false;
     int effort = 1;
     std::string profile = "dense";
+    bool surface = false;
     bool reorder = false;
     bool repair = false;
+    std::optional<double> alpha;
+    std::string lift;
 };
 
 Result<codec::Goal> goal_of(const Encode& options) {
@@ -70,6 +73,30 @@ Json json_of(const codec::EncodeReport& report, const std::string& profile, doub
     return json;
 }
 
+MeshEncodeVerb mesh_verb(const Encode& options, const codec::Goal& goal) {
+    using codec::MeshDistance;
+    return {options.in,
+            options.out,
+            goal,
+            options.surface ? MeshDistance::Surface : MeshDistance::Vertices,
+            options.reorder,
+            options.repair,
+            options.alpha,
+            options.lift};
+}
+
+/// Options that only subdivision surfaces have.
+Status check_no_mesh_options(const Encode& options) {
+    const auto refuse = [](const char* why) { return Error{ErrorCode::InvalidArgument, why, ""}; };
+    if (options.alpha || !options.lift.empty())
+        return refuse("--alpha and --lift are for subdivision surfaces");
+    if (options.surface)
+        return refuse(
+            "--surface is for subdivision surfaces; rasters and quads over the plane are measured "
+            "sample by sample");
+    return {};
+}
+
 /// As `fit`, which has more to choose from.
 Result<Outcome> encode_points(const Encode& options, const codec::Goal& goal,
                               const Globals& globals) {
@@ -93,11 +120,11 @@ Result<Outcome> run(const Encode& options, const Globals& globals) {
             return encode_triangles(options.in, options.out, options.scheme, encode.goal, globals);
         RELIEF_TRY(const bool subdivision, is_subdivision(options.in, options.scheme));
         if (subdivision)
-            return encode_mesh(
-                {options.in, options.out, encode.goal, options.reorder, options.repair},
-                options.scheme, globals);
+            return encode_mesh(mesh_verb(options, encode.goal), options.scheme, globals);
+        RELIEF_CHECK(check_no_mesh_options(options));
         return encode_quads(options.in, options.out, options.scheme, encode.goal);
     }
+    RELIEF_CHECK(check_no_mesh_options(options));
     RELIEF_TRY(encode.spec, options.scheme.spec());
     encode.effort = static_cast<codec::Effort>(options.effort);
     encode.progress = progress_bar(globals, "encoding");
@@ -153,8 +180,23 @@ void add_encode(Program& program) {
             "--profile", options->profile,
             "of scheme fvs: dense (default), or fast: several times the speed, about 8 % larger")
         ->check(CLI::IsMember({"fast", "dense"}));
+    verb->add_flag("--surface", options->surface,
+                   "meshes: errors are distances of the surfaces, both ways, and files smaller. "
+                   "--max-error then holds for all vertices of both and for 60000 points spread "
+                   "evenly over each; --rms-error is that of these points");
     verb->add_flag("--reorder", options->reorder,
                    "meshes: vertices and faces in the order of subdivision, which takes less");
+    std::vector<std::string> lifts;
+    for (const multires::LiftKind kind : multires::kLiftKinds)
+        lifts.emplace_back(multires::lift_name(kind));
+    verb->add_option("--lift", options->lift,
+                     "meshes: how coarse meshes are brought near to the fine ones; default: "
+                     "chebyshev")
+        ->check(CLI::IsMember(lifts));
+    verb->add_option(
+        "--alpha", options->alpha,
+        "sqrt3: weight of the neighbours in the new place of a vertex, from 0 to below "
+        "2/3; default: by valence");
     verb->add_flag("--repair", options->repair,
                    "meshes: first mend what is no oriented manifold: see 'relief info'");
 }

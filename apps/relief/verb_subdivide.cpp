@@ -8,6 +8,7 @@
 #include "relief/io/mesh.h"
 #include "relief/mesh/repair.h"
 #include "relief/mesh/walk.h"
+#include "relief/multires/attributes.h"
 #include "relief/multires/subdivide.h"
 
 namespace relief::cli {
@@ -108,6 +109,40 @@ void take_creases(const multires::SubdividedMesh<double>& fine, PolygonMesh& res
             result.sharp_vertices.push_back({static_cast<std::int32_t>(v), left.vertices[v]});
 }
 
+/// Normals are those of the coarse surface.
+bool is_of_corners(const MeshAttribute& attribute) {
+    return attribute.face_varying() && attribute.name != "normal";
+}
+
+/// What belongs to corners and faces. sqrt(3) has none of it.
+Status take_corners(const PolygonMesh& polygons, mesh::Topology mesh,
+                    const multires::MeshSpec& spec, int levels, PolygonMesh& result) {
+    if (spec.scheme == multires::MeshScheme::Sqrt3) return {};
+    std::vector<multires::CornerValues> all;
+    for (const MeshAttribute& attribute : polygons.attributes)
+        if (is_of_corners(attribute))
+            all.push_back({attribute.components, attribute.values, attribute.corners});
+    result.labels = polygons.labels;
+    if (all.empty() && result.labels.empty()) return {};
+    for (int step = 0; step < levels; ++step) {
+        const mesh::Split split = spec.split(step);
+        for (multires::CornerValues& values : all)
+            values = multires::subdivided(mesh, split, values);
+        for (FaceLabels& labels : result.labels)
+            labels.of_face = multires::subdivided_labels(mesh, split, labels.of_face);
+        RELIEF_TRY(mesh, mesh::refine(mesh, split));
+    }
+    std::size_t next = 0;
+    for (const MeshAttribute& attribute : polygons.attributes) {
+        if (!is_of_corners(attribute)) continue;
+        multires::CornerValues& values = all[next++];
+        for (double& value : values.values) value = stored_value(value, attribute.type, {});
+        result.attributes.push_back({attribute.name, attribute.components, attribute.type,
+                                     std::move(values.values), std::move(values.of_corner)});
+    }
+    return {};
+}
+
 Result<PolygonMesh> subdivided(const PolygonMesh& polygons, const Subdivide& options) {
     multires::MeshSpec spec;
     RELIEF_TRY(spec.scheme, mesh_scheme(options.scheme));
@@ -119,8 +154,10 @@ Result<PolygonMesh> subdivided(const PolygonMesh& polygons, const Subdivide& opt
     for (const auto& v : polygons.vertices) points.push_back({v[0], v[1], v[2]});
     add_attributes(polygons, mesh.arrays);
     mesh.sharpness = sharpness_of(polygons, mesh.mesh, options.corners);
-    RELIEF_TRY(mesh, multires::subdivide(std::move(mesh), spec, options.levels));
     PolygonMesh result;
+    RELIEF_TRY(mesh::Topology base, mesh::build(mesh::faces_of(mesh.mesh), mesh.mesh.vertex_count));
+    RELIEF_TRY(mesh, multires::subdivide(std::move(mesh), spec, options.levels));
+    RELIEF_CHECK(take_corners(polygons, std::move(base), spec, options.levels, result));
     result.libraries = polygons.libraries;
     if (options.limit) {
         const std::span<const Vec3<double>> fine(mesh.arrays[0]);

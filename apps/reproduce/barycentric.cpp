@@ -25,16 +25,6 @@ using multires::SchemeSpec;
 
 constexpr const char* kSource = "barycentric (Dreger, Gross, Schlegel 1999)";
 
-class Rows {
-  public:
-    void add(std::string item, std::string quantity, std::optional<double> paper, double ours,
-             std::string note = "") {
-        rows.push_back(
-            {kSource, std::move(item), std::move(quantity), paper, ours, std::move(note)});
-    }
-    std::vector<Row> rows;
-};
-
 SchemeSpec spec_of(SchemeId id, int order, Family family, int levels) {
     return {id, order, family, 0, levels, DataMap::Coefficients};
 }
@@ -299,7 +289,7 @@ void figures(Rows& rows, const Terrain& terrain) {
 }  // namespace
 
 std::vector<Row> barycentric_rows(const std::vector<Terrain>& terrains) {
-    Rows rows;
+    Rows rows(kSource);
     storage(rows);
     matrix_21(rows);
     nullspaces(rows);
@@ -308,7 +298,7 @@ std::vector<Row> barycentric_rows(const std::vector<Terrain>& terrains) {
     appendix_taps(rows);
     for (const Terrain& terrain : terrains) figures(rows, terrain);
     if (!terrains.empty()) truncated_filters(rows, terrains.front());
-    return std::move(rows.rows);
+    return std::move(rows).take();
 }
 
 }  // namespace relief::reproduce

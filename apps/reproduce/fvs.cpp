@@ -19,16 +19,6 @@ constexpr int kGrid = 101;  ///< points a side at which errors are measured; the
 
 using Function = std::function<PlaneJet(Vec2)>;
 
-class Rows {
-  public:
-    void add(std::string item, std::string quantity, std::optional<double> paper, double ours,
-             std::string note = "") {
-        rows.push_back(
-            {kSource, std::move(item), std::move(quantity), paper, ours, std::move(note)});
-    }
-    std::vector<Row> rows;
-};
-
 // --- the paper's functions
 
 /// amplitude exp(-a (x - x0)^2 - b (y - y0)^2).
@@ -177,7 +167,7 @@ void section7(Rows& rows, const Example& example) {
 }  // namespace
 
 std::vector<Row> fvs_rows() {
-    Rows rows;
+    Rows rows(kSource);
     table1(rows);
     section7(rows,
              {"f1 (Franke)",
@@ -194,7 +184,7 @@ std::vector<Row> fvs_rows() {
                     {0.0005, 0.001, 0.0023, 0.005, 0.01},
                     0.0023,
                     {385, 0.0074, 0.000004, "r0^2 = 1/128, r^2 for r: erratum"}});
-    return std::move(rows.rows);
+    return std::move(rows).take();
 }
 
 }  // namespace relief::reproduce

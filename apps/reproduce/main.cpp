@@ -61,7 +61,11 @@ int main(int argc, char** argv) {
     CLI::App app{"Prints every number of the source papers beside ours."};
     bool json = false;
     std::vector<std::string> paths;
+    std::string figures;
     app.add_flag("--json", json, "a JSON list of {source, case, quantity, paper, ours, note}");
+    app.add_option("--figures", figures,
+                   "only draw figures of reverse subdivision into this folder")
+        ->check(CLI::ExistingDirectory);
     app.add_option("RASTER", paths, "more terrain for the compression figures");
     try {
         app.parse(argc, argv);
@@ -71,8 +75,15 @@ int main(int argc, char** argv) {
         fmt::print(stderr, "relief-reproduce: {}\n", error.what());
         return 2;
     }
+    if (!figures.empty()) {
+        const relief::Status drawn = relief::reproduce::reverse_figures(figures);
+        if (drawn.ok()) return 0;
+        fmt::print(stderr, "relief-reproduce: {}\n", drawn.error().text());
+        return 1;
+    }
     std::vector<Row> rows = relief::reproduce::barycentric_rows(load_terrains(paths, json));
     for (Row& row : relief::reproduce::fvs_rows()) rows.push_back(std::move(row));
+    for (Row& row : relief::reproduce::reverse_rows()) rows.push_back(std::move(row));
     if (!json) {
         print_table(rows);
         return 0;

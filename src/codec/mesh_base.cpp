@@ -104,7 +104,7 @@ class BaseCoder {
         }
         const auto edges = static_cast<Index>(border_.half_edges());
         border_.add_seed(corners);
-        finish_face(corners, edges, kNone);
+        finish_face(corners, edges);
         return true;
     }
 
@@ -133,7 +133,7 @@ class BaseCoder {
         const auto edges = static_cast<Index>(border_.half_edges());
         if (!is_sound(gate, corners)) return false;
         border_.add_face(gate, corners);
-        finish_face(corners, edges, gate);
+        finish_face(corners, edges);
         return true;
     }
 
@@ -156,7 +156,7 @@ class BaseCoder {
     bool code_corner(Index gate, std::vector<Corner>& corners, std::size_t k) {
         Corner& before = corners[k - 1];
         const bool is_last = k + 1 == corners.size();
-        const Step wanted = source_.step(k, before.out, border_.prev(gate), border_);
+        const Step wanted = source_.step(k, before.out, border_.prev(gate));
         const Step step = code_step(wanted, gate, before, is_last);
         switch (step) {
             case Step::Along:
@@ -265,7 +265,7 @@ class BaseCoder {
         }
     }
 
-    void finish_face(const std::vector<Corner>& corners, Index first_edge, Index gate) {
+    void finish_face(const std::vector<Corner>& corners, Index first_edge) {
         for (std::size_t k = 0; k < corners.size(); ++k) {
             mesh_.faces.corners.push_back(corners[k].vertex);
             face_of_.push_back(static_cast<Index>(mesh_.faces.size()));
@@ -273,7 +273,7 @@ class BaseCoder {
             if (border_.is_open(edge)) gates_.push_back(edge);
         }
         mesh_.faces.offsets.push_back(static_cast<std::int64_t>(mesh_.faces.corners.size()));
-        source_.take_face(corners, first_edge, gate);
+        source_.take_face(corners, first_edge);
     }
 
     Coder& coder_;
@@ -301,17 +301,15 @@ struct NoSource {
     [[nodiscard]] static bool is_hole() { return false; }
     [[nodiscard]] static std::size_t size() { return 0; }
     [[nodiscard]] static GridPoint vertex(std::size_t) { return {}; }
-    [[nodiscard]] static Step step(std::size_t, Index, Index, const MeshBorder&) {
-        return Step::Fresh;
-    }
+    [[nodiscard]] static Step step(std::size_t, Index, Index) { return Step::Fresh; }
     [[nodiscard]] static std::uint32_t across(std::size_t) { return 0; }
-    void take_face(const std::vector<Corner>&, Index, Index) {}
+    void take_face(const std::vector<Corner>&, Index) {}
 };
 
 /// The mesh that is encoded.
-class MeshSource {
+class KnownMesh {
   public:
-    MeshSource(const mesh::Topology& mesh, std::span<const GridPoint> points)
+    KnownMesh(const mesh::Topology& mesh, std::span<const GridPoint> points)
         : mesh_(mesh),
           points_(points),
           coded_(mesh.half_edge_count(), kNone),
@@ -337,7 +335,7 @@ class MeshSource {
     [[nodiscard]] GridPoint vertex(std::size_t k) const { return points_[mesh_.origin[corner(k)]]; }
 
     /// out: the border edge that leaves corner k - 1.
-    [[nodiscard]] Step step(std::size_t k, Index out, Index back, const MeshBorder&) {
+    [[nodiscard]] Step step(std::size_t k, Index out, Index back) const {
         const Index h = corner(k);
         if (vertex_[mesh_.origin[h]] == kNone) return Step::Fresh;
         if (out != kNone && mesh_.twin[half_edges_[out]] == corner(k - 1)) return Step::Along;
@@ -357,7 +355,7 @@ class MeshSource {
         }
     }
 
-    void take_face(const std::vector<Corner>& corners, Index first_edge, Index) {
+    void take_face(const std::vector<Corner>& corners, Index first_edge) {
         corners_.push_back(first_);
         for (std::size_t k = 0; k < corners.size(); ++k) {
             const Index h = corner(k);
@@ -390,9 +388,9 @@ class MeshSource {
 
 CodedBase encode_base(const mesh::Topology& mesh, std::span<const GridPoint> points) {
     RangeEncoder encoder;
-    MeshSource source(mesh, points);
-    BaseCoder<RangeEncoder, MeshSource> coder(encoder, source, mesh.sides, mesh.vertex_count,
-                                              mesh.face_count);
+    KnownMesh source(mesh, points);
+    BaseCoder<RangeEncoder, KnownMesh> coder(encoder, source, mesh.sides, mesh.vertex_count,
+                                             mesh.face_count);
     coder.run();
     return {encoder.finish(), source.take_vertices(), source.take_corners()};
 }

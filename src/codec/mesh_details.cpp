@@ -16,8 +16,12 @@ using mesh::Split;
 using mesh::Topology;
 using multires::StepRules;
 
-/// Kinds of numbers, for contexts.
-enum class DetailKind : std::uint32_t { Tangent, Bitangent, Normal, StiffFirst };
+/// Kinds of numbers, for contexts: the axis, beside an earlier number that is not 0 or not.
+enum class DetailKind : std::uint32_t { Axis = 0, StiffAxis = 3, AxisBeside = 6 };
+
+std::uint32_t kind_of(DetailKind kind, std::size_t axis) {
+    return static_cast<std::uint32_t>(kind) + static_cast<std::uint32_t>(axis);
+}
 
 /// New vertices around one of them, and the coarse vertices that it lies between.
 struct Neighbourhood {
@@ -108,6 +112,7 @@ void MeshDetails::code_next(Coder& coder, QuantisedStep& details) {
     Walker walker(mesh, rules);
     walker.run([&](Index place, const Neighbourhood& around) {
         // The normal first: it says most.
+        bool beside = false;
         for (const std::size_t axis : {2U, 0U, 1U}) {
             Surrounding near;
             for (const Index x : around.beside) near.add(details.fresh[x][axis]);
@@ -115,16 +120,16 @@ void MeshDetails::code_next(Coder& coder, QuantisedStep& details) {
             for (const Index v : around.corners)
                 if (v >= old) far.add(before_[v - old][axis]);
             std::int64_t& q = details.fresh[place][axis];
-            q = numbers.code(q, static_cast<std::uint32_t>(axis), near, far);
+            const DetailKind kind = beside ? DetailKind::AxisBeside : DetailKind::Axis;
+            q = numbers.code(q, kind_of(kind, axis), near, far);
+            beside = beside || q != 0;
         }
     });
     Surrounding sum;
     for (QuantisedDetail& detail : details.stiff)
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            detail[axis] = numbers.code(detail[axis],
-                                        static_cast<std::uint32_t>(DetailKind::StiffFirst) +
-                                            static_cast<std::uint32_t>(axis),
-                                        sum, {});
+            detail[axis] =
+                numbers.code(detail[axis], kind_of(DetailKind::StiffAxis, axis), sum, {});
             sum.add(detail[axis]);
         }
     before_ = details.fresh;

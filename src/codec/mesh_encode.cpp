@@ -5,6 +5,7 @@
 
 #include "codec/bytes.h"
 #include "codec/decimal.h"
+#include "codec/mesh_measure.h"
 #include "codec/mesh_source.h"
 #include "codec/pyramid_search.h"
 #include "relief/codec/container.h"
@@ -24,16 +25,17 @@ constexpr double kFirstOfMax = 1.5;
 /// How near to the goal a search ends, and after how many trials.
 constexpr double kClosely = 0.98;
 constexpr int kTrials = 12;
-/// Every move to the next coarser level, in bounded files and in others, is worth so much.
-constexpr double kGainOfMax = 1.4;
+/// How often vertices that are too far off are pulled back.
+constexpr int kRounds = 6;
 /// Files that keep coefficients exactly: 2^-24 of the largest.
 constexpr double kFine = 0x1p-24;
 /// What the bounds in a header may take more than was thought.
 constexpr std::uint64_t kHeaderSlack = 16;
 
-struct Errors {
-    double max = 0;
-    double square = 0;
+/// How steps differ between levels, and between the normal and the tangents.
+struct Weights {
+    double gain = 2;
+    double tangential = 1;
 };
 
 /// One way to quantise: integers, what they give, and how far that is off.
@@ -42,7 +44,7 @@ struct Trial {
     std::vector<GridPoint> base;
     std::vector<QuantisedStep> steps;
     MeshPoints points;
-    Errors errors;
+    MeshErrors errors;
 };
 
 class Encoder {
@@ -51,20 +53,21 @@ class Encoder {
         : mesh_(mesh),
           options_(options),
           source_(std::move(source)),
+          measure_(mesh, source_.points, source_.order, options.distance),
           exact_(coefficients_of(source_.synthesis, source_.points)) {
         std::vector<double> all;
         for (const auto& p : source_.points) all.insert(all.end(), {p.x, p.y, p.z});
         lattice_ = ValueLattice::exact(all);
         for (const auto& v : mesh.vertices)
             for (const double x : v) largest_ = std::max(largest_, std::abs(x));
-        Vec3<double> sum;
-        for (std::size_t v = 0; v < base_count(); ++v) sum += exact_.points[v];
-        const Vec3<double> centre = 1 / static_cast<double>(base_count()) * sum;
-        // Any grid will do; a short origin makes a short header.
-        origin_ = {rounded(centre.x, 4), rounded(centre.y, 4), rounded(centre.z, 4)};
     }
 
     Result<EncodedMesh> run() {
+        if (by_surface() && !(largest_ <= kLargestMeasured))
+            return Error{ErrorCode::InvalidArgument,
+                         "distances of surfaces need coordinates of at most 1e75; scale the mesh, "
+                         "or measure by vertices",
+                         ""};
         RELIEF_TRY(const Trial best, choose());
         if (cancelled(0.9)) return cancelled_error();
         RELIEF_TRY(EncodedMesh encoded, finish(best));
@@ -77,14 +80,15 @@ class Encoder {
     [[nodiscard]] int levels() const { return source_.header.levels; }
     [[nodiscard]] std::size_t base_count() const { return hierarchy().vertices(0); }
     [[nodiscard]] double count() const { return static_cast<double>(source_.points.size()); }
-    [[nodiscard]] double rms(const Errors& errors) const {
-        return std::sqrt(errors.square / count());
-    }
+    [[nodiscard]] bool by_surface() const { return options_.distance == MeshDistance::Surface; }
 
     /// The scheme's norms of details grow by this from one step to the coarser one.
     [[nodiscard]] double norm_gain() const {
         return source_.header.spec.scheme == multires::MeshScheme::Sqrt3 ? 1.7320508075688772 : 2;
     }
+
+    /// Moves along the surface matter less than moves of it.
+    [[nodiscard]] Weights plain_weights() const { return {norm_gain(), by_surface() ? 4.0 : 1.0}; }
 
     bool cancelled(double done) {
         done_ = std::max(done_, done);
@@ -95,12 +99,9 @@ class Encoder {
         const Goal& goal = options_.goal;
         switch (goal.kind) {
             case Kind::MaxError:
-                return search_error(kGainOfMax, kFirstOfMax,
-                                    [](const Encoder&, const Trial& t) { return t.errors.max; });
+                return search_weights(kFirstOfMax * goal.value);
             case Kind::RmsError:
-                return search_error(norm_gain(), kFirstOfRms, [](const Encoder& e, const Trial& t) {
-                    return e.rms(t.errors);
-                });
+                return search_weights(kFirstOfRms * goal.value);
             case Kind::Bytes:
                 return search_bytes();
             case Kind::Keep:
@@ -117,18 +118,20 @@ class Encoder {
         return std::max(largest_ * epsilon, 1e-290);
     }
 
-    [[nodiscard]] MeshQuantisation quantisation(double step, double gain) const {
+    [[nodiscard]] MeshQuantisation quantisation(double step, const Weights& weights) const {
         MeshQuantisation q;
         // So that quotients stay below 2^50, and the coarsest step is a number.
-        const double least = std::max(largest_ * 0x1p-44, 1e-280) * std::pow(gain, levels());
+        const double least =
+            std::max(largest_ * 0x1p-44, 1e-280) * std::pow(weights.gain, levels());
         q.step = rounded(std::clamp(step, least, 1e290), 4);
-        q.gain = gain;
-        q.origin = origin_;
+        q.gain = rounded(weights.gain, 4);
+        q.tangential = rounded(weights.tangential, 3);
         return q;
     }
 
     /// From coarse to fine, each step in the frames of what the decoder has.
-    Trial trial(const MeshQuantisation& q, const MeshCoefficients& exact) const {
+    Trial trial(const MeshQuantisation& q, const MeshCoefficients& exact,
+                std::int64_t samples = kAllSamples) const {
         Trial t;
         t.quantisation = q;
         for (std::size_t v = 0; v < base_count(); ++v) {
@@ -137,54 +140,69 @@ class Encoder {
         }
         for (int step = 0; step < levels(); ++step) {
             const DetailFrames frames(hierarchy(), step, t.points.data());
-            const double size = q.step_of(step, levels());
-            const Vec3<double>* details = exact.points.data() + hierarchy().vertices(step);
-            const MeshPoints& residuals = exact.residuals[static_cast<std::size_t>(step)];
-            QuantisedStep& quantised_step = t.steps.emplace_back();
-            MeshPoints fresh;
-            for (std::size_t k = 0; k < frames.fresh().size(); ++k) {
-                const auto& frame = frames.fresh()[k];
-                const QuantisedDetail& detail = quantised_step.fresh.emplace_back(
-                    quantised(frame.in(details[k]), size, q.tangential));
-                fresh.push_back(frame.out(reconstructed(detail, size, q.tangential)));
+            const MeshPoints coarse = t.points;
+            QuantisedStep& details = t.steps.emplace_back(quantised_step(q, exact, step, frames));
+            source_.synthesis.refine(q, levels(), step, details, frames, t.points);
+            if (step + 1 < levels() || options_.goal.kind != Kind::MaxError) continue;
+            for (int round = 0; round < kRounds && pull_back(q, frames, t.points, details);
+                 ++round) {
+                t.points = coarse;
+                source_.synthesis.refine(q, levels(), step, details, frames, t.points);
             }
-            MeshPoints stiff;
-            for (std::size_t k = 0; k < residuals.size(); ++k) {
-                const auto& frame = frames.stiff()[k];
-                const QuantisedDetail& detail = quantised_step.stiff.emplace_back(
-                    quantised(frame.in(residuals[k]), size, q.tangential));
-                stiff.push_back(frame.out(reconstructed(detail, size, q.tangential)));
-            }
-            t.points.insert(t.points.end(), fresh.begin(), fresh.end());
-            source_.synthesis.maps().synthesise_global(step, t.points.data(), stiff);
         }
-        t.errors = errors_of(t.points);
+        t.errors = measure_(t.points, samples);
         return t;
     }
 
-    [[nodiscard]] Errors errors_of(const MeshPoints& points) const {
-        Errors errors;
-        for (std::size_t k = 0; k < points.size(); ++k) {
-            const Vec3<double> off = points[k] - source_.points[k];
-            errors.max = std::max(errors.max, dot(off, off));
-            errors.square += dot(off, off);
-        }
-        errors.max = std::sqrt(errors.max);
-        return errors;
+    QuantisedStep quantised_step(const MeshQuantisation& q, const MeshCoefficients& exact, int step,
+                                 const DetailFrames& frames) const {
+        const double size = q.step_of(step, levels());
+        const Vec3<double>* details = exact.points.data() + hierarchy().vertices(step);
+        const MeshPoints& residuals = exact.residuals[static_cast<std::size_t>(step)];
+        QuantisedStep result;
+        for (std::size_t k = 0; k < frames.fresh().size(); ++k)
+            result.fresh.push_back(quantised(frames.fresh()[k].in(details[k]), size, q.tangential));
+        for (std::size_t k = 0; k < residuals.size(); ++k)
+            result.stiff.push_back(
+                quantised(frames.stiff()[k].in(residuals[k]), size, q.tangential));
+        return result;
     }
 
-    /// The largest step with which the error stays within the goal; lossless if there is none.
-    template <class ErrorOf>
-    Result<Trial> search_error(double gain, double first, ErrorOf error_of) {
-        const double goal = options_.goal.value;
+    /// New vertices of the finest step that are too far off: details that bring them back. False:
+    /// there are none. By surface only moves along the normal matter, roughly.
+    bool pull_back(const MeshQuantisation& q, const DetailFrames& frames, const MeshPoints& points,
+                   QuantisedStep& details) const {
+        const std::size_t first = hierarchy().vertices(levels() - 1);
+        bool any = false;
+        for (std::size_t k = 0; k < details.fresh.size(); ++k) {
+            Vec3<double> off = frames.fresh()[k].in(source_.points[first + k] - points[first + k]);
+            if (by_surface()) off.x = off.y = 0;
+            if (!(length(off) > options_.goal.value)) continue;
+            QuantisedDetail& detail = details.fresh[k];
+            const QuantisedDetail nearer = quantised(
+                reconstructed(detail, q.step, q.tangential) + off, q.step, q.tangential, kNearest);
+            any = any || nearer != detail;
+            detail = nearer;
+        }
+        return any;
+    }
+
+    /// What the goal limits, in units of it.
+    [[nodiscard]] double share_of(const Trial& t) const {
+        const bool max = options_.goal.kind == Kind::MaxError;
+        return (max ? t.errors.max : t.errors.rms) / options_.goal.value;
+    }
+
+    /// The largest step with which the error stays within the goal, from a first one on.
+    Result<std::optional<Trial>> search_step(const Weights& weights, double step,
+                                             std::int64_t samples) {
         std::optional<Trial> best;
         double good = 0;
         double bad = std::numeric_limits<double>::infinity();
-        double step = first * goal;
-        for (int k = 0; k < kTrials && goal > smallest_step() / 4; ++k) {
+        for (int k = 0; k < kTrials && options_.goal.value > smallest_step() / 4; ++k) {
             if (cancelled(0.9 * k / kTrials)) return cancelled_error();
-            Trial t = trial(quantisation(step, gain), exact_);
-            const double share = error_of(*this, t) / goal;
+            Trial t = trial(quantisation(step, weights), exact_, samples);
+            const double share = share_of(t);
             const double used = t.quantisation.step;
             if (share <= 1) {
                 if (used > good) best = std::move(t);
@@ -199,8 +217,47 @@ class Encoder {
                 step = std::sqrt(good * bad);
             if (good > 0 && bad / good < 1.002) break;
         }
-        if (best) return *std::move(best);
-        return search_lossless();
+        return best;
+    }
+
+    /// The weights with which the file is the smallest, going each way as long as it helps;
+    /// lossless if no step is small enough.
+    Result<Trial> search_weights(double first_step) {
+        Weights weights = plain_weights();
+        RELIEF_TRY(std::optional<Trial> best, search_step(weights, first_step, kSomeSamples));
+        if (!best) return search_lossless();
+        std::size_t least = size_of(*best);
+        const auto climb = [&](auto next) -> Result<bool> {
+            for (bool moved = false;; moved = true) {
+                const Weights other = next(weights);
+                RELIEF_TRY(std::optional<Trial> t,
+                           search_step(other, best->quantisation.step, kSomeSamples));
+                const std::size_t size = t ? size_of(*t) : least;
+                if (size >= least) return moved;
+                least = size;
+                best = std::move(t);
+                weights = other;
+            }
+        };
+        const auto climb_gain = [&](double power) {
+            return climb([power](const Weights& w) {
+                return Weights{std::pow(w.gain, power), w.tangential};
+            });
+        };
+        const auto climb_tangential = [&](double factor) {
+            return climb([factor](const Weights& w) {
+                return Weights{w.gain, factor * w.tangential};
+            });
+        };
+        RELIEF_TRY(const bool softer, climb_gain(0.75));
+        if (!softer) RELIEF_CHECK(climb_gain(1 / 0.75));
+        if (by_surface()) {
+            RELIEF_TRY(const bool longer, climb_tangential(1.5));
+            if (!longer) RELIEF_CHECK(climb_tangential(1 / 1.5));
+            RELIEF_TRY(best, search_step(weights, best->quantisation.step, kAllSamples));
+            if (!best) return search_lossless();
+        }
+        return *std::move(best);
     }
 
     /// Coordinates are corrected to the bit: finer steps cost details, coarser ones corrections.
@@ -209,7 +266,7 @@ class Encoder {
         std::optional<Trial> best;
         std::size_t least = std::numeric_limits<std::size_t>::max();
         const auto attempt = [&](double factor) -> bool {
-            Trial t = trial(quantisation(factor * smallest_step(), norm_gain()), exact_);
+            Trial t = trial(quantisation(factor * smallest_step(), plain_weights()), exact_);
             const std::size_t size = size_of(t);
             if (size >= least) return false;
             least = size;
@@ -233,7 +290,7 @@ class Encoder {
     Result<Trial> search_bytes() {
         const auto goal = static_cast<std::uint64_t>(std::min(options_.goal.value, 1e18));
         const double longest = std::max(largest_, 1e-280);
-        Trial coarsest = trial(quantisation(longest, norm_gain()), exact_);
+        Trial coarsest = trial(quantisation(longest, plain_weights()), exact_);
         const std::uint64_t least = size_of(coarsest) + kHeaderSlack;
         if (least > goal)
             return Error{ErrorCode::InvalidArgument,
@@ -246,7 +303,7 @@ class Encoder {
         Trial best = std::move(coarsest);
         for (int k = 0; k < 2 * kTrials && good / bad > 1.01; ++k) {
             if (cancelled(0.9 * k / (2 * kTrials))) return cancelled_error();
-            Trial t = trial(quantisation(std::sqrt(good * bad), norm_gain()), exact_);
+            Trial t = trial(quantisation(std::sqrt(good * bad), plain_weights()), exact_);
             const double used = t.quantisation.step;
             if (size_of(t) + kHeaderSlack <= goal) {
                 best = std::move(t);
@@ -284,7 +341,7 @@ class Encoder {
             largest = std::max(largest, weighted[k]);
         }
         const double step = std::max(largest, largest_ * 0x1p-20) * kFine;
-        return trial(quantisation(step, 1), some);
+        return trial(quantisation(step, {1, 1}), some);
     }
 
     [[nodiscard]] std::vector<Bytes> chunks_of(const Trial& t) const {
@@ -313,7 +370,7 @@ class Encoder {
             extras_.resize(chunks.size());
             const MeshChunks numbers{levels()};
             extras_[MeshChunks::kTags] = write_tags(source_.tags);
-            extras_[numbers.order()] = write_order(source_.order, source_.sides);
+            extras_[numbers.order()] = write_order(source_.order, hierarchy());
             extras_[numbers.attributes()] =
                 write_attributes(mesh_, source_.header.attributes, hierarchy(), source_.order);
             extras_[numbers.labels()] = write_labels(mesh_, source_.order, source_.sides);
@@ -323,11 +380,11 @@ class Encoder {
             if (!extras_[k].empty()) chunks[k] = extras_[k];
     }
 
-    [[nodiscard]] Result<Bytes> file_of(const Trial& t, const Errors& errors) const {
+    [[nodiscard]] Result<Bytes> file_of(const Trial& t, const MeshErrors& errors) const {
         MeshHeader header = source_.header;
         header.quantisation = t.quantisation;
         header.max_error = errors.max;
-        header.rms_error = rms(errors);
+        header.rms_error = errors.rms;
         ContainerWriter writer;
         const std::vector<Bytes> chunks = chunks_of(t);
         for (std::size_t k = 0; k < chunks.size(); ++k)
@@ -337,13 +394,13 @@ class Encoder {
     }
 
     [[nodiscard]] std::size_t size_of(const Trial& t) const {
-        const auto file = file_of(t, source_.header.lattice ? Errors() : t.errors);
+        const auto file = file_of(t, source_.header.lattice ? MeshErrors() : t.errors);
         return file.ok() ? file->size() : std::numeric_limits<std::size_t>::max();
     }
 
     Result<EncodedMesh> finish(const Trial& best) {
         const bool exact = source_.header.lattice.has_value();
-        const Errors errors = exact ? Errors() : best.errors;
+        const MeshErrors errors = exact ? MeshErrors() : best.errors;
         EncodedMesh encoded;
         RELIEF_TRY(encoded.bytes, file_of(best, errors));
         RELIEF_CHECK(verify(encoded.bytes, exact ? source_.points : best.points));
@@ -360,7 +417,7 @@ class Encoder {
         report.bytes = encoded.bytes.size();
         report.bits_per_sample = 8 * static_cast<double>(report.bytes) / count();
         report.max_error = errors.max;
-        report.rms_error = rms(errors);
+        report.rms_error = errors.rms;
         const double energy = coarsest_square();
         report.energy_percent = energy > 0 ? 100 * errors.square / energy : 0;
         report.bound = options_.goal.kind == Kind::MaxError ? options_.goal.value : errors.max;
@@ -379,7 +436,7 @@ class Encoder {
         for (auto& residuals : smooth.residuals)
             std::fill(residuals.begin(), residuals.end(), Vec3<double>());
         source_.synthesis.maps().synthesise(0, levels(), smooth.points.data(), smooth.residuals);
-        return errors_of(smooth.points).square;
+        return measure_(smooth.points, 1).square;
     }
 
     /// What was written is decoded and compared: the error is of the file, not of an intention.
@@ -407,10 +464,10 @@ class Encoder {
     const PolygonMesh& mesh_;
     const MeshEncodeOptions& options_;
     MeshSource source_;
+    MeshMeasure measure_;
     MeshCoefficients exact_;
     ValueLattice lattice_;
     double largest_ = 0;
-    std::array<double, 3> origin_{};
     mutable std::vector<Bytes> extras_;
     double done_ = 0;
 };
@@ -427,17 +484,44 @@ Status check_goal(const Goal& goal) {
     return {};
 }
 
+Result<EncodedMesh> encode_as(const PolygonMesh& mesh, multires::MeshScheme scheme,
+                              const MeshEncodeOptions& options) {
+    RELIEF_TRY(MeshSource source, prepare_mesh(mesh, scheme, options));
+    if (options.keep_order) return Encoder(mesh, options, std::move(source)).run();
+    const PolygonMesh ordered = reordered(mesh, source.order, source.sides);
+    source.order = same_order(source.hierarchy().topology(source.header.levels));
+    return Encoder(ordered, options, std::move(source)).run();
+}
+
+std::vector<multires::MeshScheme> schemes_for(const PolygonMesh& mesh) {
+    using multires::MeshScheme;
+    for (std::int64_t f = 0; f < mesh.polygon_count(); ++f)
+        if (mesh.polygon(f).size() != 3) return {MeshScheme::CatmullClark};
+    return {MeshScheme::Loop, MeshScheme::Sqrt3};
+}
+
+/// What the goal leaves open is smaller.
+bool is_better(const EncodedMesh& a, const EncodedMesh& b, const Goal& goal) {
+    if (goal.kind == Kind::Bytes || goal.kind == Kind::Keep)
+        return a.report.rms_error < b.report.rms_error;
+    return a.bytes.size() < b.bytes.size();
+}
+
 }  // namespace
 
 Result<EncodedMesh> encode_mesh(const PolygonMesh& mesh, const MeshEncodeOptions& options) {
     RELIEF_CHECK(check_goal(options.goal));
-    RELIEF_TRY(MeshSource source, prepare_mesh(mesh, options));
-    if (options.keep_order) return Encoder(mesh, options, std::move(source)).run();
-    const PolygonMesh ordered = reordered(mesh, source.order, source.sides);
-    for (Index v = 0; v < source.order.vertices.size(); ++v) source.order.vertices[v] = v;
-    for (Index f = 0; f < source.order.corners.size(); ++f)
-        source.order.corners[f] = source.sides * f;
-    return Encoder(ordered, options, std::move(source)).run();
+    RELIEF_CHECK(check(mesh));
+    if (options.scheme) return encode_as(mesh, *options.scheme, options);
+    std::optional<Result<EncodedMesh>> best;
+    for (const multires::MeshScheme scheme : schemes_for(mesh)) {
+        Result<EncodedMesh> encoded = encode_as(mesh, scheme, options);
+        if (!encoded.ok() && encoded.error().code == ErrorCode::Cancelled) return encoded;
+        const bool first = !best || !best->ok();
+        if (!best || (encoded.ok() && (first || is_better(*encoded, **best, options.goal))))
+            best = std::move(encoded);
+    }
+    return *std::move(best);
 }
 
 }  // namespace relief::codec

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "codec/bytes.h"
-#include "codec/number_coder.h"
+#include "codec/mesh_series.h"
 #include "relief/mesh/walk.h"
 
 namespace relief::codec {
@@ -15,115 +15,16 @@ namespace {
 using mesh::Index;
 using mesh::kNone;
 
-Error damaged(const char* what) {
-    return Error{ErrorCode::BadFile, "its numbers do not fit its bytes; the file is damaged",
-                 std::string(what) + " chunk"};
-}
-
-/// Numbers that are expected to be as large as the last ones of their kind.
+/// The numbers 0 .. n - 1 in another order, each expected behind the one before.
 template <class Coder>
-class Series {
-  public:
-    explicit Series(Coder& coder) : numbers_(coder, model_) {}
-
-    std::int64_t code(std::int64_t q, std::uint32_t kind) {
-        Surrounding& recent = recent_[kind];
-        q = numbers_.code(q, kind, recent, last_);
-        if (recent.count >= kSome) {
-            recent.magnitude /= 2;
-            recent.balance = 0;
-            recent.count /= 2;
-        }
-        recent.add(q);
-        last_ = {};
-        last_.add(q);
-        return q;
-    }
-
-    /// A number of which another is expected; differences wrap.
-    std::int64_t code_near(std::int64_t value, std::int64_t expected, std::uint32_t kind) {
-        const auto wrap = [](std::int64_t v) { return static_cast<std::uint64_t>(v); };
-        const std::int64_t q = code(static_cast<std::int64_t>(wrap(value) - wrap(expected)), kind);
-        return static_cast<std::int64_t>(wrap(expected) + wrap(q));
-    }
-
-  private:
-    static constexpr std::uint32_t kSome = 8;
-
-    NumberModel model_;
-    NumberCoder<Coder> numbers_;
-    std::array<Surrounding, NumberModel::kKinds> recent_;
-    Surrounding last_;
-};
-
-template <class Code>
-Bytes encoded(Code code) {
-    RangeEncoder encoder;
-    Series<RangeEncoder> series(encoder);
-    code(series);
-    return encoder.finish();
-}
-
-template <class Code>
-Status decoded(std::span<const std::uint8_t> bytes, const char* what, Code code) {
-    RangeDecoder decoder(bytes);
-    Series<RangeDecoder> series(decoder);
-    code(series);
-    if (decoder.at_end()) return {};
-    return damaged(what);
-}
-
-/// The numbers 0 .. n - 1 in another order, each expected `stride` behind the one before.
-template <class Coder>
-void code_order(Series<Coder>& series, std::vector<Index>& order, std::int64_t stride,
-                std::uint32_t kind) {
+void code_order(Series<Coder>& series, std::vector<Index>& order) {
     std::int64_t expected = 0;
     for (Index& number : order) {
-        const std::int64_t value = series.code_near(number, expected, kind);
+        const std::int64_t value = series.code_near(number, expected, 0);
         number = static_cast<Index>(std::clamp<std::int64_t>(value, 0, kNone));
-        expected = value + stride;
+        expected = value + 1;
     }
 }
-
-bool is_permutation(const std::vector<Index>& order, std::size_t stride) {
-    std::vector<std::uint8_t> seen(order.size(), 0);
-    for (const Index number : order) {
-        const std::size_t place = number / stride;
-        if (place >= seen.size() || seen[place]) return false;
-        seen[place] = 1;
-    }
-    return true;
-}
-
-}  // namespace
-
-Bytes write_order(const MeshOrder& order, Index sides) {
-    bool same = true;
-    for (std::size_t v = 0; v < order.vertices.size(); ++v) same &= order.vertices[v] == v;
-    for (std::size_t f = 0; f < order.corners.size(); ++f) same &= order.corners[f] == sides * f;
-    if (same) return {};
-    MeshOrder copy = order;
-    return encoded([&](auto& series) {
-        code_order(series, copy.vertices, 1, 0);
-        code_order(series, copy.corners, sides, 1);
-    });
-}
-
-Result<MeshOrder> read_order(std::span<const std::uint8_t> bytes, const mesh::Topology& finest) {
-    const auto sides = static_cast<Index>(finest.sides);
-    MeshOrder order;
-    for (Index v = 0; v < finest.vertex_count; ++v) order.vertices.push_back(v);
-    for (Index f = 0; f < finest.face_count; ++f) order.corners.push_back(sides * f);
-    if (bytes.empty()) return order;
-    RELIEF_CHECK(decoded(bytes, "order", [&](auto& series) {
-        code_order(series, order.vertices, 1, 0);
-        code_order(series, order.corners, sides, 1);
-    }));
-    if (is_permutation(order.vertices, 1) && is_permutation(order.corners, sides)) return order;
-    return damaged("order");
-}
-
-namespace {
 
 /// faces: their numbers and which of their corners is the first of the coded face.
 struct FacePlace {
@@ -134,7 +35,7 @@ struct FacePlace {
 template <class Coder>
 void code_base_order(Series<Coder>& series, std::vector<Index>& vertices,
                      std::vector<FacePlace>& faces) {
-    code_order(series, vertices, 1, 0);
+    code_order(series, vertices);
     std::int64_t expected = 0;
     for (FacePlace& place : faces) {
         const std::int64_t face = series.code_near(place.face, expected, 1);
@@ -171,10 +72,10 @@ Result<BaseMesh> in_own_order(std::span<const std::uint8_t> bytes, BaseMesh code
     for (std::size_t f = 0; f < faces.size(); ++f) {
         if (faces[f].face >= faces.size() || at[faces[f].face] != faces.size() ||
             faces[f].turn >= coded.faces[f].size())
-            return damaged("base");
+            return damaged_chunk("base");
         at[faces[f].face] = f;
     }
-    if (!is_permutation(vertices, 1)) return damaged("base");
+    if (!is_permutation(vertices)) return damaged_chunk("base");
     BaseMesh result;
     result.points.resize(coded.points.size());
     for (std::size_t v = 0; v < vertices.size(); ++v) result.points[vertices[v]] = coded.points[v];
@@ -345,7 +246,7 @@ Result<std::vector<MeshAttribute>> read_attributes(std::span<const std::uint8_t>
         const auto components = static_cast<std::size_t>(header.components);
         const auto part = in.take(in.varint());
         if (in.failed() || header.elements.value_or(0) > 64 * finest.half_edge_count() + 64)
-            return damaged("attributes");
+            return damaged_chunk("attributes");
         const std::size_t elements = header.elements.value_or(finest.vertex_count);
         std::vector<std::int64_t> values(elements * components);
         RELIEF_CHECK(decoded(part, "attributes", [&](auto& series) {
@@ -357,7 +258,7 @@ Result<std::vector<MeshAttribute>> read_attributes(std::span<const std::uint8_t>
             code_elements(series, values, components);
         }));
         for (const std::int32_t element : attribute.corners)
-            if (element >= static_cast<std::int64_t>(elements)) return damaged("attributes");
+            if (element >= static_cast<std::int64_t>(elements)) return damaged_chunk("attributes");
         attribute.values.resize(values.size());
         for (std::size_t k = 0; k < values.size(); ++k) {
             const std::size_t to =
@@ -444,7 +345,7 @@ Status read_creases(std::span<const std::uint8_t> bytes, PolygonMesh& mesh) {
         mesh.sharp_vertices.push_back(vertex_tag);
     }
     if (!in.failed() && in.rest().empty()) return {};
-    return damaged("creases");
+    return damaged_chunk("creases");
 }
 
 namespace {

@@ -5,24 +5,12 @@
 
 #include "codec/mesh_base.h"
 #include "codec/mesh_header.h"
+#include "codec/mesh_order.h"
 #include "relief/core/polygon_mesh.h"
 #include "relief/core/stream.h"
 
 /// What a file of a mesh holds beside its shape. docs/format.md, "Meshes".
 namespace relief::codec {
-
-using multires::MeshHierarchy;
-
-/// How the finest level of a hierarchy and the mesh that it stands for differ.
-struct MeshOrder {
-    std::vector<mesh::Index> vertices;  ///< of each vertex of the hierarchy, its number in the mesh
-    std::vector<mesh::Index> corners;   ///< of each face, where it begins among the mesh's corners
-};
-/// Empty if both count alike.
-[[nodiscard]] Bytes write_order(const MeshOrder& order, mesh::Index sides);
-/// Errors: BadFile, also for numbers that do not occur once each.
-[[nodiscard]] Result<MeshOrder> read_order(std::span<const std::uint8_t> bytes,
-                                           const mesh::Topology& finest);
 
 /// The numbers of a base in the order in which its connectivity is coded: vertices, and half-edges
 /// that faces begin with. Empty if they are the same.

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "codec/bytes.h"
+#include "codec/mesh_coarse.h"
 #include "codec/mesh_extras.h"
 #include "codec/mesh_synthesis.h"
 #include "codec/quad_chunks.h"
@@ -80,6 +81,13 @@ struct MeshFile::State {
     void apply_moves(int depth, const MeshOrder& order, MeshPoints& points) const;
     [[nodiscard]] Result<PolygonMesh> finest(const MeshSynthesis& synthesis) const;
     [[nodiscard]] Result<PolygonMesh> coarser(const MeshSynthesis& synthesis, int depth) const;
+    [[nodiscard]] Status read_named(const MeshHierarchy& hierarchy, const MeshOrder& order,
+                                    PolygonMesh& mesh) const;
+    /// There are attributes or labels, and they have been read.
+    [[nodiscard]] bool knows_names() const {
+        return (!header.attributes.empty() || !header.labels.empty()) &&
+               container.complete(numbers().labels());
+    }
 };
 
 Status MeshFile::State::read_base() {
@@ -170,7 +178,8 @@ Result<MeshPoints> MeshFile::State::points(const MeshSynthesis& synthesis, int d
         RELIEF_TRY(const QuantisedStep coded, details.decode_next(chunk));
         const MeshQuantisation& q = header.quantisation;
         if (moves.empty()) {
-            synthesis.refine(q, header.levels, step, coded, points);
+            const multires::DetailFrames frames(synthesis.hierarchy(), step, points.data());
+            synthesis.refine(q, header.levels, step, coded, frames, points);
             continue;
         }
         synthesis.refine_moved(q, header.levels, step, coded, points, moved);
@@ -210,10 +219,7 @@ Status set_points(const MeshPoints& points, const std::vector<Index>& numbers, P
 Result<PolygonMesh> MeshFile::State::finest(const MeshSynthesis& synthesis) const {
     const mesh::Topology& mesh = synthesis.hierarchy().topology(header.levels);
     RELIEF_TRY(const Bytes order_chunk, container.chunk(numbers().order()));
-    MeshOrder order;
-    if (header.levels > 0) {
-        RELIEF_TRY(order, read_order(order_chunk, mesh));
-    }
+    RELIEF_TRY(const MeshOrder order, read_order(order_chunk, synthesis.hierarchy()));
     RELIEF_TRY(const MeshPoints places, points(synthesis, header.levels, order));
     PolygonMesh result;
     result.libraries = header.libraries;
@@ -228,17 +234,23 @@ Result<PolygonMesh> MeshFile::State::finest(const MeshSynthesis& synthesis) cons
                 static_cast<std::int32_t>(order.vertices[mesh.origin[sides * f + k]]);
         }
     for (Index f = 1; f <= mesh.face_count; ++f) result.offsets.push_back(std::int64_t{sides} * f);
-    RELIEF_TRY(const Bytes attributes, container.chunk(numbers().attributes()));
-    RELIEF_TRY(result.attributes,
-               read_attributes(attributes, header.attributes, synthesis.hierarchy(), order));
-    result.labels = header.labels;
-    RELIEF_TRY(const Bytes labels, container.chunk(numbers().labels()));
-    RELIEF_CHECK(read_labels(labels, order, sides, result.labels));
+    RELIEF_CHECK(read_named(synthesis.hierarchy(), order, result));
     RELIEF_TRY(const Bytes creases, container.chunk(numbers().creases()));
     RELIEF_CHECK(read_creases(creases, result));
     if (const Status checked = relief::check(result); !checked.ok())
         return bad_file(checked.error().text() + "; the file is damaged", "mesh");
     return result;
+}
+
+/// Attributes and labels, in the numbers of the mesh.
+Status MeshFile::State::read_named(const MeshHierarchy& hierarchy, const MeshOrder& order,
+                                   PolygonMesh& mesh) const {
+    RELIEF_TRY(const Bytes attributes, container.chunk(numbers().attributes()));
+    RELIEF_TRY(mesh.attributes, read_attributes(attributes, header.attributes, hierarchy, order));
+    mesh.labels = header.labels;
+    RELIEF_TRY(const Bytes labels, container.chunk(numbers().labels()));
+    const auto sides = static_cast<Index>(hierarchy.topology(header.levels).sides);
+    return read_labels(labels, order, sides, mesh.labels);
 }
 
 /// In the numbers of the hierarchy; sharp edges are those of the transform.
@@ -257,6 +269,15 @@ Result<PolygonMesh> MeshFile::State::coarser(const MeshSynthesis& synthesis, int
     for (std::size_t v = 0; v < marks.corner.size(); ++v)
         if (marks.corner[v])
             result.sharp_vertices.push_back({static_cast<std::int32_t>(v), HUGE_VAL});
+    if (!knows_names()) return result;
+    const MeshHierarchy& hierarchy = synthesis.hierarchy();
+    RELIEF_TRY(const Bytes order_chunk, container.chunk(numbers().order()));
+    RELIEF_TRY(const MeshOrder order, read_order(order_chunk, hierarchy));
+    PolygonMesh finest;
+    RELIEF_CHECK(read_named(hierarchy, order, finest));
+    take_coarse_extras(finest, order, hierarchy, at, result);
+    if (const Status checked = relief::check(result); !checked.ok())
+        return bad_file(checked.error().text() + "; the file is damaged", "mesh");
     return result;
 }
 
@@ -310,6 +331,9 @@ double MeshFile::step() const {
 }
 mesh::MeshCounts MeshFile::counts(int level) const {
     return state_->counts(state_->depth(level));
+}
+MeshDistance MeshFile::distance() const {
+    return state_->header.distance;
 }
 double MeshFile::max_error() const {
     return state_->header.max_error;
@@ -382,7 +406,8 @@ Result<PolygonMesh> MeshFile::decode(int level) const {
     RELIEF_TRY(mesh::Topology base,
                mesh::build(state_->base_faces, static_cast<Index>(state_->base_points.size())));
     RELIEF_TRY(const MeshSynthesis synthesis,
-               of_file(MeshSynthesis::create(std::move(base), state_->tags, state_->header, depth),
+               of_file(MeshSynthesis::create(std::move(base), state_->tags, state_->header,
+                                             state_->knows_names() ? levels() : depth),
                        "base chunk"));
     return level == 0 ? state_->finest(synthesis) : state_->coarser(synthesis, depth);
 }

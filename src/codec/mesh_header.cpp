@@ -1,7 +1,6 @@
 #include "codec/mesh_header.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -21,19 +20,15 @@ using multires::MeshScheme;
 constexpr int kMostLevels = 30;
 constexpr std::uint64_t kMostElements = (std::uint64_t{1} << 31) - 1;
 constexpr double kLargest = 1e300;
+constexpr double kMostGain = 16;
 
-constexpr std::array<std::pair<LiftKind, const char*>, 4> kLifts = {
-    {{LiftKind::None, "none"},
-     {LiftKind::Ring, "ring"},
-     {LiftKind::Chebyshev, "chebyshev"},
-     {LiftKind::LeastSquares, "least-squares"}}};
+constexpr std::array<const char*, 2> kDistances = {"vertices", "surface"};
 
 Json scheme_json(const MeshHeader& header) {
     Json json{{"name", multires::mesh_scheme_name(header.spec.scheme)}, {"levels", header.levels}};
     if (header.spec.first_even) json["first_even"] = true;
     if (header.spec.alpha) json["alpha"] = json_number(*header.spec.alpha);
-    if (header.lift != LiftKind::Chebyshev)
-        json["lift"] = kLifts[static_cast<std::size_t>(header.lift)].second;
+    if (header.lift != LiftKind::Chebyshev) json["lift"] = multires::lift_name(header.lift);
     if (header.boundary_corners) json["boundary_corners"] = true;
     return json;
 }
@@ -54,15 +49,16 @@ Status read_scheme(const Json& json, MeshHeader& header) {
         header.spec.scheme = scheme;
         known = true;
     }
-    const auto found = std::find_if(kLifts.begin(), kLifts.end(),
-                                    [&](const auto& entry) { return lift == entry.second; });
-    if (!known || found == kLifts.end())
+    const auto found =
+        std::find_if(multires::kLiftKinds.begin(), multires::kLiftKinds.end(),
+                     [&](LiftKind kind) { return lift == multires::lift_name(kind); });
+    if (!known || found == multires::kLiftKinds.end())
         return Error{
             ErrorCode::Unsupported,
             "the scheme '" + name + "' with lift '" + lift + "' is of a newer version of relief",
             "header"};
-    header.lift = found->first;
-    if (header.levels < 0 || header.levels > kMostLevels)
+    header.lift = *found;
+    if (header.levels < 1 || header.levels > kMostLevels)
         return bad_header("the number of levels is out of range");
     if (header.spec.alpha && !(*header.spec.alpha >= 0 && *header.spec.alpha < 2.0 / 3))
         return bad_header("alpha is out of range");
@@ -70,29 +66,27 @@ Status read_scheme(const Json& json, MeshHeader& header) {
 }
 
 Json quantisation_json(const MeshQuantisation& q) {
-    return Json{{"step", json_number(q.step)},
-                {"gain", json_number(q.gain)},
-                {"tangential", json_number(q.tangential)},
-                {"origin", json_numbers(q.origin)}};
+    const MeshQuantisation plain;
+    Json json{{"step", json_number(q.step)}};
+    if (q.gain != plain.gain) json["gain"] = json_number(q.gain);
+    if (q.tangential != plain.tangential) json["tangential"] = json_number(q.tangential);
+    return json;
 }
 
 Status read_quantisation(const Json& json, MeshQuantisation& q) {
     JsonReader reader(json);
     q.step = reader.get("step", 0.0, true);
-    q.gain = reader.get("gain", 0.0, true);
-    q.tangential = reader.get("tangential", 0.0, true);
-    const Json& origin = reader.array("origin");
+    q.gain = reader.get("gain", q.gain);
+    q.tangential = reader.get("tangential", q.tangential);
     RELIEF_CHECK(reader.status());
     const auto is_size = [](double x) { return x >= 1e-300 && x <= kLargest; };
-    if (!is_size(q.step) || !(q.gain >= 1 && q.gain <= 16) || !is_size(q.tangential) ||
-        origin.size() != 3)
-        return bad_header("the quantisation is out of range");
-    for (std::size_t k = 0; k < 3; ++k) {
-        if (!origin[k].is_number()) return bad_header("the origin is not a point");
-        q.origin[k] = origin[k].get<double>();
-        if (!(std::abs(q.origin[k]) <= kLargest)) return bad_header("the origin is out of range");
-    }
-    return {};
+    if (is_size(q.step) && q.gain >= 1 && q.gain <= kMostGain && is_size(q.tangential)) return {};
+    return bad_header("the quantisation is out of range");
+}
+
+/// Corners of the faces of most bases.
+int usual_sides(const MeshHeader& header) {
+    return header.spec.scheme == MeshScheme::CatmullClark ? 4 : 3;
 }
 
 Json attribute_json(const AttributeHeader& attribute) {
@@ -147,15 +141,35 @@ Status read_extras(JsonReader& reader, MeshHeader& header) {
     return reader.status();
 }
 
+Status read_distance(JsonReader& reader, MeshDistance& distance) {
+    const auto name = reader.get<std::string>("distance", kDistances[0]);
+    RELIEF_CHECK(reader.status());
+    const auto found = std::find(kDistances.begin(), kDistances.end(), name);
+    if (found == kDistances.end())
+        return Error{ErrorCode::Unsupported,
+                     "errors by '" + name + "' are of a newer version of relief", "header"};
+    distance = static_cast<MeshDistance>(found - kDistances.begin());
+    return {};
+}
+
 }  // namespace
 
+const char* mesh_distance_name(MeshDistance distance) {
+    return kDistances[static_cast<std::size_t>(distance)];
+}
+
 std::string write_mesh_header(const MeshHeader& header) {
-    Json json{{"content", kMeshContent},       {"vertices", header.base_vertices},
-              {"faces", header.base_faces},    {"sides", header.sides},
-              {"scheme", scheme_json(header)}, {"details", quantisation_json(header.quantisation)},
+    Json json{{"content", kMeshContent},
+              {"vertices", header.base_vertices},
+              {"faces", header.base_faces},
+              {"scheme", scheme_json(header)},
+              {"details", quantisation_json(header.quantisation)},
               {"goal", goal_json(header.goal)}};
+    if (header.sides != usual_sides(header)) json["sides"] = header.sides;
     if (Json error = error_json(header.max_error, header.rms_error, header.goal); !error.empty())
         json["error"] = std::move(error);
+    if (header.distance != MeshDistance::Vertices)
+        json["distance"] = mesh_distance_name(header.distance);
     if (header.lattice) json["values"] = lattice_json(*header.lattice);
     for (const AttributeHeader& attribute : header.attributes)
         json["attributes"].push_back(attribute_json(attribute));
@@ -176,14 +190,15 @@ Result<MeshHeader> read_mesh_header(const std::string& text) {
         return Error{ErrorCode::Unsupported, "holds '" + content + "', not a mesh", "header"};
     header.base_vertices = reader.get<std::uint64_t>("vertices", 0, true);
     header.base_faces = reader.get<std::uint64_t>("faces", 0, true);
-    header.sides = reader.get("sides", 0, true);
     RELIEF_CHECK(read_scheme(reader.object("scheme"), header));
+    header.sides = reader.get("sides", usual_sides(header));
     RELIEF_CHECK(read_quantisation(reader.object("details"), header.quantisation));
     JsonReader error(reader.object("error"));
     header.max_error = error.get("max", 0.0);
     header.rms_error = error.get("rms", 0.0);
     RELIEF_CHECK(error.status());
     RELIEF_CHECK(read_goal(reader.object("goal"), header.goal));
+    RELIEF_CHECK(read_distance(reader, header.distance));
     RELIEF_CHECK(reader.status());
     if (header.base_vertices > kMostElements || header.base_faces > kMostElements ||
         (header.sides != 0 && header.sides != 3 && header.sides != 4))

@@ -16,10 +16,9 @@ inline constexpr const char* kMeshContent = "mesh";
 
 /// How coefficients become integers. docs/format.md, "Details of meshes".
 struct MeshQuantisation {
-    double step = 1;                 ///< of the finest details along the normal
-    double gain = 2;                 ///< of one step to the coarser one
-    double tangential = 1;           ///< steps along the tangents are so many times longer
-    std::array<double, 3> origin{};  ///< of the grid of the base
+    double step = 1;        ///< of the finest details along the normal
+    double gain = 2;        ///< of one step to the coarser one
+    double tangential = 1;  ///< steps along the tangents are so many times longer
 
     /// Of the details of a step.
     [[nodiscard]] double step_of(int step_number, int steps) const {
@@ -50,6 +49,7 @@ struct MeshHeader {
     MeshQuantisation quantisation;
     std::optional<ValueLattice> lattice;  ///< of which all coordinates are; lossless files
     Goal goal;
+    MeshDistance distance = MeshDistance::Vertices;
     double max_error = 0;
     double rms_error = 0;
     std::vector<AttributeHeader> attributes;

@@ -47,31 +47,6 @@ MeshTags tags_of(const PolygonMesh& mesh, const Topology& topology) {
     return tags;
 }
 
-/// With the given scheme, or the one with which the base is the smallest.
-Result<MeshOrigin> find_origin(const Topology& topology, const MeshPoints& points,
-                               const MeshTags& tags, const MeshEncodeOptions& options) {
-    std::vector<MeshScheme> schemes;
-    if (options.scheme)
-        schemes = {*options.scheme};
-    else if (topology.sides == 3)
-        schemes = {MeshScheme::Loop, MeshScheme::Sqrt3};
-    else
-        schemes = {MeshScheme::CatmullClark};
-    const int most = options.levels < 0 ? 30 : options.levels;
-    std::optional<MeshOrigin> best;
-    std::optional<Error> error;
-    for (const MeshScheme scheme : schemes) {
-        Result<MeshOrigin> origin = multires::origin_of(topology, points, tags, scheme, most);
-        if (!origin.ok()) {
-            if (!error) error = origin.error();
-        } else if (!best || origin->base.vertex_count < best->base.vertex_count) {
-            best = *std::move(origin);
-        }
-    }
-    if (best) return *std::move(best);
-    return *error;
-}
-
 double squared_details(const MeshSource& source) {
     const MeshCoefficients coefficients = coefficients_of(source.synthesis, source.points);
     double sum = 0;
@@ -187,13 +162,14 @@ MeshCoefficients coefficients_of(const MeshSynthesis& synthesis, const MeshPoint
     return coefficients;
 }
 
-Result<MeshSource> prepare_mesh(const PolygonMesh& mesh, const MeshEncodeOptions& options) {
-    RELIEF_CHECK(check(mesh));
+Result<MeshSource> prepare_mesh(const PolygonMesh& mesh, MeshScheme scheme,
+                                const MeshEncodeOptions& options) {
     RELIEF_TRY(const Topology topology, mesh::build(mesh.offsets, corners_of(mesh),
                                                     static_cast<Index>(mesh.vertices.size())));
     const MeshPoints points = points_of(mesh);
     const MeshTags tags = tags_of(mesh, topology);
-    RELIEF_TRY(MeshOrigin origin, find_origin(topology, points, tags, options));
+    RELIEF_TRY(MeshOrigin origin, multires::origin_of(topology, points, tags, scheme,
+                                                      options.levels < 0 ? 30 : options.levels));
     if (!keeps_order(topology, origin, options)) {
         const CodedBase coded =
             encode_base(origin.base, std::vector<GridPoint>(origin.base.vertex_count));
@@ -211,6 +187,7 @@ Result<MeshSource> prepare_mesh(const PolygonMesh& mesh, const MeshEncodeOptions
     header.base_vertices = origin.base.vertex_count;
     header.base_faces = origin.base.face_count;
     header.goal = options.goal;
+    header.distance = options.distance;
     header.attributes = attribute_headers(mesh);
     for (const FaceLabels& labels : mesh.labels)
         header.labels.push_back({labels.keyword, labels.names, {}});

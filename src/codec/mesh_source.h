@@ -27,7 +27,7 @@ struct MeshCoefficients {
 };
 
 /// Errors: those of encode_mesh.
-[[nodiscard]] Result<MeshSource> prepare_mesh(const PolygonMesh& mesh,
+[[nodiscard]] Result<MeshSource> prepare_mesh(const PolygonMesh& mesh, multires::MeshScheme scheme,
                                               const MeshEncodeOptions& options);
 [[nodiscard]] MeshCoefficients coefficients_of(const MeshSynthesis& synthesis,
                                                const MeshPoints& points);

@@ -10,12 +10,11 @@ namespace {
 using multires::DetailFrames;
 using multires::MeshFrame;
 
-/// Below this part of a step, details become zero; others are so much smaller than their integer.
-constexpr double kRounding = 0.42;
+/// Details are so much smaller than their integer.
 constexpr double kShrink = 0.024;
 
-std::int64_t quotient(double x, double step) {
-    const double size = std::min(std::floor(std::abs(x) / step + kRounding), kLargestQuotient);
+std::int64_t quotient(double x, double step, double rounding) {
+    const double size = std::min(std::floor(std::abs(x) / step + rounding), kLargestQuotient);
     return static_cast<std::int64_t>(x < 0 ? -size : size);
 }
 
@@ -54,23 +53,23 @@ void turn_and_grow(const std::vector<MeshFrame>& before, const std::vector<MeshF
 
 Vec3<double> base_point(const MeshQuantisation& q, int steps, const GridPoint& p) {
     const double step = q.base_step(steps);
-    return {q.origin[0] + step * static_cast<double>(p[0]),
-            q.origin[1] + step * static_cast<double>(p[1]),
-            q.origin[2] + step * static_cast<double>(p[2])};
+    return {step * static_cast<double>(p[0]), step * static_cast<double>(p[1]),
+            step * static_cast<double>(p[2])};
 }
 
 GridPoint base_grid_point(const MeshQuantisation& q, int steps, const Vec3<double>& p) {
     const double step = q.base_step(steps);
-    const auto nearest = [&](double x, double origin) {
-        const double place = std::nearbyint((x - origin) / step);
+    const auto nearest = [&](double x) {
+        const double place = std::nearbyint(x / step);
         return static_cast<std::int64_t>(std::clamp(place, -kLargestQuotient, kLargestQuotient));
     };
-    return {nearest(p.x, q.origin[0]), nearest(p.y, q.origin[1]), nearest(p.z, q.origin[2])};
+    return {nearest(p.x), nearest(p.y), nearest(p.z)};
 }
 
-QuantisedDetail quantised(const Vec3<double>& local, double step, double tangential) {
-    return {quotient(local.x, tangential * step), quotient(local.y, tangential * step),
-            quotient(local.z, step)};
+QuantisedDetail quantised(const Vec3<double>& local, double step, double tangential,
+                          double rounding) {
+    return {quotient(local.x, tangential * step, rounding),
+            quotient(local.y, tangential * step, rounding), quotient(local.z, step, rounding)};
 }
 
 Vec3<double> reconstructed(const QuantisedDetail& q, double step, double tangential) {
@@ -96,9 +95,10 @@ Result<MeshSynthesis> MeshSynthesis::create(mesh::Topology base, multires::MeshT
 }
 
 void MeshSynthesis::refine(const MeshQuantisation& q, int steps, int step,
-                           const QuantisedStep& details, MeshPoints& points) const {
+                           const QuantisedStep& details, const DetailFrames& frames,
+                           MeshPoints& points) const {
     Local local = local_details(q, steps, step, details);
-    DetailFrames(*hierarchy_, step, points.data()).out(local.fresh.data(), local.stiff);
+    frames.out(local.fresh.data(), local.stiff);
     points.insert(points.end(), local.fresh.begin(), local.fresh.end());
     maps_->synthesise_global(step, points.data(), local.stiff);
 }
@@ -113,7 +113,7 @@ void MeshSynthesis::refine_moved(const MeshQuantisation& q, int steps, int step,
     turn_and_grow(before.stiff(), after.stiff(), local.stiff);
     moved.insert(moved.end(), local.fresh.begin(), local.fresh.end());
     maps_->synthesise_global(step, moved.data(), local.stiff);
-    refine(q, steps, step, details, points);
+    refine(q, steps, step, details, before, points);
 }
 
 }  // namespace relief::codec

@@ -17,8 +17,13 @@ using MeshPoints = std::vector<Vec3<double>>;
 [[nodiscard]] GridPoint base_grid_point(const MeshQuantisation& q, int steps,
                                         const Vec3<double>& p);
 
-/// Rounds details so that more become zero, and back to where their mean is. axis: 2 is the normal.
-[[nodiscard]] QuantisedDetail quantised(const Vec3<double>& local, double step, double tangential);
+/// Added before the fraction is left out: with less than half more details become zero.
+inline constexpr double kThrifty = 0.42;
+inline constexpr double kNearest = 0.5;
+
+/// Details in steps, and back to where their mean is.
+[[nodiscard]] QuantisedDetail quantised(const Vec3<double>& local, double step, double tangential,
+                                        double rounding = kThrifty);
 [[nodiscard]] Vec3<double> reconstructed(const QuantisedDetail& q, double step, double tangential);
 
 /// Whether a detail has places on the grid that integers can count.
@@ -34,9 +39,10 @@ class MeshSynthesis {
     [[nodiscard]] const multires::MeshHierarchy& hierarchy() const { return *hierarchy_; }
     [[nodiscard]] const multires::MeshMaps& maps() const { return *maps_; }
 
-    /// points: those of depth `step`, which becomes depth step + 1. Complexity: O(n) a sweep.
+    /// points: those of depth `step`, of which the frames are; they become those of depth step + 1.
+    /// Complexity: O(n) a sweep.
     void refine(const MeshQuantisation& q, int steps, int step, const QuantisedStep& details,
-                MeshPoints& points) const;
+                const multires::DetailFrames& frames, MeshPoints& points) const;
     /// The same for a mesh that was moved: its details turn and grow as the surface does. points
     /// and moved are of depth `step` and become depth step + 1.
     void refine_moved(const MeshQuantisation& q, int steps, int step, const QuantisedStep& details,

@@ -358,7 +358,7 @@ Result<Triangles> delaunay_of(std::vector<GridPlace>& places, const PsBaseHeader
 
 Result<Coded> decode_delaunay(const PartViews& parts, const PsBaseHeader& header) {
     Coded coded;
-    RELIEF_TRY(coded.places, read_place_set(parts.places, header.vertices));
+    RELIEF_TRY(coded.places, read_places(parts.places, header.vertices));
     auto triangles = delaunay_of(coded.places, header);
     if (!triangles.ok()) return damaged(triangles.error().message);
     coded.triangles = *std::move(triangles);
@@ -473,7 +473,7 @@ std::optional<CodedPsBase> encode_delaunay(const Triangulation& mesh, const PsBa
     auto numbering = numbering_of(*triangles, mesh.triangles, *std::move(vertices));
     if (!numbering) return std::nullopt;
     Parts parts;
-    parts.places = write_place_set(places);
+    parts.places = write_places(places);
     return finished(mesh, header, std::move(parts), *std::move(numbering), keep_order);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "codec/pyramid_search.h"
 #include "relief/codec/raster_codec.h"
 #include "relief/multires/cubic_window.h"
 
@@ -12,7 +13,9 @@ namespace {
 using multires::Planes;
 
 /// The raster's description with the samples of a window.
-Result<Raster> read_part(const RasterSource& source, const LatticeBox& window) {
+Result<Raster> read_part(const Reference& reference, const LatticeBox& window) {
+    if (reference.cancelled && reference.cancelled()) return cancelled_error();
+    const RasterSource& source = reference.source;
     RELIEF_TRY(Raster samples, source.read(window));
     Raster part = description_of(source.description());
     part.rows = window.rows;
@@ -63,7 +66,7 @@ Result<SurfaceError> measured(const Reference& reference,
     RELIEF_TRY(const RasterFile opened, RasterFile::open(file, visible));
     SurfaceError all;
     for (const LatticeBox& window : reference.windows) {
-        RELIEF_TRY(const Raster part, read_part(reference.source, window));
+        RELIEF_TRY(const Raster part, read_part(reference, window));
         RELIEF_TRY(const DecodedRaster decoded, opened.decode_window(0, window));
         if (!decoded.damaged.empty())
             return Error{ErrorCode::BadFile,
@@ -81,7 +84,7 @@ Result<LevelErrors> measured_levels(const Reference& reference,
     LevelErrors errors;
     errors.largest.resize(static_cast<std::size_t>(layout.levels()));
     for (const LatticeBox& window : reference.windows) {
-        RELIEF_TRY(const Raster part, read_part(reference.source, window));
+        RELIEF_TRY(const Raster part, read_part(reference, window));
         for (int level = 1; level <= layout.levels(); ++level) {
             RELIEF_TRY(const Planes<double> fine, surface(layout, blocks, 0, window, level));
             SurfaceError error = surface_error(part, fine);

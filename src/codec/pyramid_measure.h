@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "codec/pyramid_blocks.h"
 #include "codec/surface_error.h"
 
@@ -10,10 +12,11 @@ namespace relief::codec {
 struct Reference {
     const RasterSource& source;
     const std::vector<LatticeBox>& windows;
+    std::function<bool()> cancelled = {};  ///< asked before each window
 };
 
 /// Errors of what `file` decodes to, seeing its first `visible` bytes. Errors: those of the file,
-/// which must decode, and of the source.
+/// which must decode, and of the source; Cancelled.
 [[nodiscard]] Result<SurfaceError> measured(
     const Reference& reference, const std::shared_ptr<const ByteSource>& file,
     std::uint64_t visible = std::numeric_limits<std::uint64_t>::max());

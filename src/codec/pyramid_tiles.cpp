@@ -209,7 +209,7 @@ class TiledEncoder {
                 [&](double s) -> Result<Attempt> {
                     RELIEF_TRY(Attempt a, attempt(s, effort));
                     if (by_rms) {
-                        RELIEF_TRY(a.error, measured({source_, cores_}, a.file));
+                        RELIEF_TRY(a.error, measured(reference(), a.file));
                     }
                     return a;
                 },
@@ -371,22 +371,22 @@ class TiledEncoder {
 
     /// Measures what the file is at every layer and level, and says so in its head.
     Result<EncodeReport> finish(Attempt& best) {
-        const Reference reference{source_, cores_};
-        RELIEF_TRY(best.error, measured(reference, best.file));
+        const Reference against = reference();
+        RELIEF_TRY(best.error, measured(against, best.file));
         if (cancelled(0.92)) return cancelled_error();
         std::vector<double> layers;
         const ChunkOrder order{best.coding.layers.size(), streams_.streams()};
         for (std::size_t k = 0; k + 1 < order.layers; ++k) {
             const std::size_t last = first_stream_chunk() + order.end_of(k);
             RELIEF_TRY(const SurfaceError error,
-                       measured(reference, best.file, best.file->end_of(last)));
+                       measured(against, best.file, best.file->end_of(last)));
             layers.push_back(error.max);
         }
         layers.push_back(best.error.max);
         if (cancelled(0.95)) return cancelled_error();
         RELIEF_TRY(const ContainerReader container, ContainerReader::open(best.file));
         const PyramidBlocks blocks(container, layout_, best.coding, first_stream_chunk());
-        RELIEF_TRY(LevelErrors levels, measured_levels(reference, layout_, blocks));
+        RELIEF_TRY(LevelErrors levels, measured_levels(against, layout_, blocks));
         for (double& error : levels.largest) error = rounded_up(error, 3);
         RELIEF_TRY(best.file, file_of(best, layers, levels.largest));
         RELIEF_TRY([[maybe_unused]] const RasterFile opened, RasterFile::open(best.file));
@@ -401,6 +401,10 @@ class TiledEncoder {
         set_errors(report, best.error, samples_, coarsest_square);
         report.bound = best.error.max;
         return report;
+    }
+
+    [[nodiscard]] Reference reference() {
+        return {source_, cores_, [this] { return cancelled(done_); }};
     }
 
     bool cancelled(double done) {

@@ -8,11 +8,10 @@
 #include <tuple>
 #include <utility>
 
-#include "mesh/box_tree.h"
 #include "mesh/delaunay_flips.h"
 #include "mesh/hilbert.h"
 #include "mesh/lattice_predicates.h"
-#include "mesh/quadrangulation_checks.h"
+#include "mesh/plane_checks.h"
 #include "mesh/triangulation_checks.h"
 
 namespace relief::mesh {
@@ -20,7 +19,6 @@ namespace relief::mesh {
 namespace {
 
 constexpr std::size_t kMostPoints = ((std::size_t{1} << 31) - 1) / 6;
-constexpr double kLargestCoordinate = 1e150;
 constexpr double kThinnestAtHull = 2e-12;  ///< more than what `build` refuses
 constexpr int kSiteBits = 50;              ///< coordinates of sites are integers of at most 2^50
 
@@ -109,7 +107,7 @@ std::vector<Index> insertion_order(std::span<const Vec2> sites) {
 /// Which triangles stay: those of the plane, without the slivers at its hull.
 std::vector<std::uint8_t> peeled(const FlipMesh& mesh, double least) {
     std::vector<std::uint8_t> kept(mesh.triangle_count);
-    std::vector<std::uint8_t> on_boundary(mesh.sites.size() + 1);
+    std::vector<std::uint8_t> on_boundary(mesh.sites.size());
     std::vector<Index> sides;  // of triangles that are kept, on the boundary
     for (Index t = 0; t < mesh.triangle_count; ++t) kept[t] = mesh.is_finite(t);
     for (Index h = 0; h < 3 * mesh.triangle_count; ++h)
@@ -162,14 +160,63 @@ Status check_points(std::span<const Vec2> points) {
                      "too_many_points: at most 2^31 / 6 can be triangulated; thin them out or "
                      "split the region",
                      ""};
-    const auto good = [](double t) { return std::abs(t) <= kLargestCoordinate; };
-    for (std::size_t k = 0; k < points.size(); ++k)
-        if (!good(points[k].x) || !good(points[k].y))
-            return bad_mesh(
-                "non_finite_input: a coordinate is not finite or beyond 1e150; correct or remove "
-                "it",
-                "point", k);
-    return {};
+    return check_coordinates(points, "non_finite_input", "point");
+}
+
+Error too_few_points(std::size_t places) {
+    return {
+        ErrorCode::BadInput,
+        "too_few_points: they lie at " + std::to_string(places) + " places; at least 3 are needed",
+        ""};
+}
+
+Result<FlipMesh> triangulated(const Sites& sites) {
+    if (sites.places.size() < 3) return too_few_points(sites.places.size());
+    const std::vector<Index> order = insertion_order(sites.places);
+    if (exact_orient(sites.places[order[0]], sites.places[order[1]], sites.places[order[2]]) == 0)
+        return Error{ErrorCode::BadInput,
+                     "collinear_points: all points lie on one line; add one beside it", ""};
+    return triangulate(sites.places, order);
+}
+
+/// Of each site one of those to which steps shorter than `distance` lead. They are all found along
+/// edges, because the shortest tree that joins all sites is part of a Delaunay triangulation.
+std::vector<Index> clusters(const FlipMesh& mesh, double distance) {
+    std::vector<Index> up(mesh.sites.size());
+    std::iota(up.begin(), up.end(), Index{0});
+    const auto root = [&up](Index v) {
+        while (up[v] != v) v = up[v] = up[up[v]];
+        return v;
+    };
+    for (Index h = 0; h < 3 * mesh.triangle_count; ++h) {
+        const Index a = mesh.origin[h];
+        const Index b = mesh.origin[FlipMesh::next(h)];
+        if (a >= b || b == mesh.infinite()) continue;
+        if (length(mesh.sites[b] - mesh.sites[a]) < distance) up[root(b)] = root(a);
+    }
+    for (Index v = 0; v < up.size(); ++v) up[v] = root(v);
+    return up;
+}
+
+/// One site for each cluster: that of its first point.
+Sites merged(const Sites& sites, std::span<const Index> cluster) {
+    const auto count = static_cast<Index>(sites.places.size());
+    std::vector<Index> chosen(count, kNone);
+    for (Index v = 0; v < count; ++v) {
+        Index& best = chosen[cluster[v]];
+        if (best == kNone || sites.first_point[v] < sites.first_point[best]) best = v;
+    }
+    Sites result;
+    std::vector<Index> number(count);
+    for (Index v = 0; v < count; ++v) {
+        if (chosen[cluster[v]] != v) continue;
+        number[v] = static_cast<Index>(result.places.size());
+        result.places.push_back(sites.places[v]);
+        result.first_point.push_back(sites.first_point[v]);
+    }
+    for (const Index v : sites.vertex_of_point)
+        result.vertex_of_point.push_back(number[chosen[cluster[v]]]);
+    return result;
 }
 
 /// Thin triangles inside come from points that are too close, not from a fault of the result.
@@ -177,33 +224,28 @@ Status check_distances(const Triangulation& mesh, std::span<const Index> first_p
     const auto thin = find_thin_triangle(mesh);
     if (!thin) return {};
     const auto& [a, b, c] = mesh.triangles[*thin];
-    return Error{ErrorCode::BadInput,
-                 "degenerate_triangle: they lie almost on a line or at one place, and no triangle "
-                 "without them does; remove one",
-                 "points " + std::to_string(first_point[a]) + ", " +
-                     std::to_string(first_point[b]) + " and " + std::to_string(first_point[c])};
+    return Error{
+        ErrorCode::BadInput,
+        "degenerate_triangle: they lie almost on a line or at one place, and no triangle "
+        "without them does; remove one, or merge points that are closer than some distance",
+        "points " + std::to_string(first_point[a]) + ", " + std::to_string(first_point[b]) +
+            " and " + std::to_string(first_point[c])};
 }
 
 }  // namespace
 
 Result<Delaunay> delaunay(std::span<const Vec2> points, const DelaunayOptions& options) {
     RELIEF_CHECK(check_points(points));
+    if (points.empty()) return too_few_points(0);
     const Lattice lattice = lattice_of(points);
     Sites sites = sites_of(points, lattice);
-    if (sites.places.size() < 3)
-        return Error{ErrorCode::BadInput,
-                     "too_few_points: they lie at " + std::to_string(sites.places.size()) +
-                         " places; at least 3 are needed",
-                     ""};
-    const std::vector<Index> order = insertion_order(sites.places);
-    if (exact_orient(sites.places[order[0]], sites.places[order[1]], sites.places[order[2]]) == 0)
-        return Error{ErrorCode::BadInput,
-                     "collinear_points: all points lie on one line; add one beside it", ""};
-    std::vector<std::array<Index, 3>> triangles;
-    {
-        const FlipMesh flips = triangulate(sites.places, order);
-        triangles = triangles_of(flips, peeled(flips, std::max(options.peel, kThinnestAtHull)));
+    RELIEF_TRY(FlipMesh flips, triangulated(sites));
+    if (options.merge_distance > 0) {
+        sites = merged(sites, clusters(flips, options.merge_distance / lattice.step));
+        RELIEF_TRY(flips, triangulated(sites));
     }
+    auto triangles = triangles_of(flips, peeled(flips, std::max(options.peel, kThinnestAtHull)));
+    flips = {};
     std::vector<double> x;
     std::vector<double> y;
     for (const Vec2 site : sites.places) {

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace relief::mesh {
 
 namespace {
 
+constexpr double kLargestCoordinate = 1e150;
 constexpr double kOnEdge = 1e-9;
 constexpr double kTouching = 1e-9;  ///< overlaps thinner than this part of the smaller polygon
 
@@ -35,6 +37,21 @@ bool side_separates(std::span<const Vec2> a, std::span<const Vec2> b, double mar
 }
 
 }  // namespace
+
+Error bad_mesh(std::string message, const char* element, std::size_t number) {
+    return {ErrorCode::BadInput, std::move(message),
+            std::string(element) + " " + std::to_string(number)};
+}
+
+Status check_coordinates(std::span<const Vec2> points, const char* name, const char* element) {
+    const auto good = [](double t) { return std::abs(t) <= kLargestCoordinate; };
+    const auto bad = std::find_if(points.begin(), points.end(),
+                                  [&](Vec2 p) { return !good(p.x) || !good(p.y); });
+    if (bad == points.end()) return {};
+    return bad_mesh(
+        std::string(name) + ": a coordinate is not finite or beyond 1e150; correct or remove it",
+        element, static_cast<std::size_t>(bad - points.begin()));
+}
 
 std::optional<HangingVertex> find_hanging_vertex(std::span<const double> x,
                                                  std::span<const double> y,

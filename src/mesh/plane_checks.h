@@ -3,12 +3,22 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "mesh/box_tree.h"
+#include "relief/core/result.h"
 
 /// Checks of convex polygons in the plane, of any number of corners.
 namespace relief::mesh {
+
+/// BadInput at an element.
+[[nodiscard]] Error bad_mesh(std::string message, const char* element, std::size_t number);
+
+/// Whether all points are finite and within 1e150, so that areas do not overflow; `name` is that of
+/// the error, `element` what a point is called.
+[[nodiscard]] Status check_coordinates(std::span<const Vec2> points, const char* name,
+                                       const char* element);
 
 /// An edge of one face only.
 struct BoundaryEdge {

@@ -1,11 +1,10 @@
 #include "relief/mesh/quadrangulation.h"
 
 #include <algorithm>
-#include <cmath>
 #include <tuple>
 #include <utility>
 
-#include "mesh/box_tree.h"
+#include "mesh/plane_checks.h"
 #include "mesh/quadrangulation_checks.h"
 
 namespace relief::mesh {
@@ -13,18 +12,6 @@ namespace relief::mesh {
 namespace {
 
 constexpr std::uint64_t kMaxElements = (std::uint64_t{1} << 31) - 1;
-constexpr double kLargestCoordinate = 1e150;
-
-Status check_coordinates(std::span<const Vec2> vertices) {
-    const auto good = [](double t) { return std::abs(t) <= kLargestCoordinate; };
-    for (std::size_t v = 0; v < vertices.size(); ++v)
-        if (!good(vertices[v].x) || !good(vertices[v].y))
-            return bad_mesh(
-                "non_finite_vertex: a coordinate is not finite or beyond 1e150; "
-                "correct or remove it",
-                "vertex", v);
-    return {};
-}
 
 Status check_corners(std::span<const std::array<Index, 4>> quads, std::size_t vertex_count) {
     for (std::size_t q = 0; q < quads.size(); ++q)
@@ -145,7 +132,7 @@ Result<Quadrangulation> build(std::span<const Vec2> vertices,
                      "too_many_elements: at most 2^31 - 1 vertices and 2^29 - 1 quads; split the "
                      "mesh",
                      ""};
-    RELIEF_CHECK(check_coordinates(vertices));
+    RELIEF_CHECK(check_coordinates(vertices, "non_finite_vertex", "vertex"));
     RELIEF_CHECK(check_corners(quads, vertices.size()));
     Quadrangulation mesh;
     if (!vertices.empty()) {

@@ -22,11 +22,6 @@ double longest_side(const QuadCorners& v) {
 
 }  // namespace
 
-Error bad_mesh(std::string message, const char* element, std::size_t number) {
-    return {ErrorCode::BadInput, std::move(message),
-            std::string(element) + " " + std::to_string(number)};
-}
-
 Status check_convex(const Quadrangulation& mesh) {
     for (Index q = 0; q < mesh.quad_count(); ++q) {
         const QuadCorners v = mesh.corners(q);

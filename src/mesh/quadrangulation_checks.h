@@ -1,14 +1,9 @@
 #pragma once
 
-#include <span>
-#include <string>
-
 #include "relief/mesh/quadrangulation.h"
 
 /// The checks of `build` that look at more than one element.
 namespace relief::mesh {
-
-[[nodiscard]] Error bad_mesh(std::string message, const char* element, std::size_t number);
 
 /// Requires: finite vertices, indices in range.
 [[nodiscard]] Status check_convex(const Quadrangulation& mesh);

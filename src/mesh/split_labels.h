@@ -55,4 +55,23 @@ inline constexpr int kConflict = -1;
     return false;
 }
 
+/// Which roles faces give to a vertex; each has one.
+using Role = std::uint8_t;
+inline constexpr Role kOld = 1;
+inline constexpr Role kEdgePoint = 2;
+inline constexpr Role kFacePoint = 4;
+
+[[nodiscard]] inline Role role_of(Split split, Label label, Index corner) {
+    if (split == Split::CatmullClark) {
+        const Index place = (corner + 4 - label) % 4;
+        return place == 0 ? kOld : place == 2 ? kFacePoint : kEdgePoint;
+    }
+    const Role fresh = split == Split::Loop ? kEdgePoint : kFacePoint;
+    if (label >= kPair) {
+        const Index j = label - kPair;
+        return corner == (j + 2) % 3 ? fresh : kOld;
+    }
+    return corner == label ? kOld : fresh;
+}
+
 }  // namespace relief::mesh

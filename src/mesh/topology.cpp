@@ -20,9 +20,10 @@ Error bad_mesh(std::string message, const char* element, std::size_t number) {
 
 bool repeats(std::span<const Index> corners) {
     if (corners.size() > kManyCorners) {
-        std::vector<Index> sorted(corners.begin(), corners.end());
-        std::sort(sorted.begin(), sorted.end());
-        return std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end();
+        Buffer<Index> sorted(corners.size());
+        Index* const end = std::copy(corners.begin(), corners.end(), sorted.data());
+        std::sort(sorted.data(), end);
+        return std::adjacent_find(sorted.data(), end) != end;
     }
     for (std::size_t i = 1; i < corners.size(); ++i)
         for (std::size_t j = 0; j < i; ++j)
@@ -76,6 +77,68 @@ int common_size(std::span<const std::int64_t> offsets) {
     return 0;
 }
 
+Error bad_edge(const Topology& mesh, Index h) {
+    return bad_mesh("non_manifold_edge: the faces of its edge from vertex " +
+                        std::to_string(mesh.origin[h]) + " to " + std::to_string(mesh.target(h)) +
+                        " are more than two, oriented differently, or equal; 'encode --repair' "
+                        "splits or turns them",
+                    "face", mesh.face_of(h));
+}
+
+/// A half-edge at a vertex, the one without twin if there is one; and how many there are.
+struct Fan {
+    Index first = kNone;
+    Index faces = 0;
+};
+
+template <Index Sides>
+Index rotated_in(const Topology& mesh, Index h) {
+    if constexpr (Sides == 0)
+        return rotated(mesh, h);
+    else
+        return mesh.twin[h % Sides == 0 ? h + Sides - 1 : h - 1];
+}
+
+/// The first vertex whose faces are none, or form more than one fan; kNone: all are good.
+template <Index Sides>
+Index first_bad_fan(const Topology& mesh, const Buffer<Fan>& fans) {
+    for (Index v = 0; v < mesh.vertex_count; ++v) {
+        Index found = 0;
+        const Index first = fans[v].first;
+        if (first == kNone) return v;
+        Index h = first;
+        do {
+            ++found;
+            h = rotated_in<Sides>(mesh, h);
+        } while (h != kNone && h != first);
+        if (found != fans[v].faces) return v;
+    }
+    return kNone;
+}
+
+/// Every vertex has faces, and these form one fan.
+Status check_vertices(const Topology& mesh) {
+    Buffer<Fan> fans(mesh.vertex_count);
+    std::fill_n(fans.data(), fans.size(), Fan());
+    for (Index h = 0; h < mesh.half_edge_count(); ++h) {
+        Fan& fan = fans[mesh.origin[h]];
+        ++fan.faces;
+        if (fan.first == kNone || mesh.on_boundary(h)) fan.first = h;
+    }
+    const Index v = mesh.sides == 3   ? first_bad_fan<3>(mesh, fans)
+                    : mesh.sides == 4 ? first_bad_fan<4>(mesh, fans)
+                                      : first_bad_fan<0>(mesh, fans);
+    if (v == kNone) return {};
+    if (fans[v].faces == 0)
+        return bad_mesh("unused_vertex: no face names it; remove it", "vertex", v);
+    return bad_mesh(
+        "non_manifold_vertex: its faces form more than one fan; 'encode --repair' gives each fan a "
+        "vertex of its own",
+        "vertex", v);
+}
+
+}  // namespace
+
 void set_faces(std::span<const std::int64_t> offsets, std::span<const Index> corners,
                Topology& mesh) {
     mesh.face_count = static_cast<Index>(offsets.size() - 1);
@@ -90,46 +153,6 @@ void set_faces(std::span<const std::int64_t> offsets, std::span<const Index> cor
     for (Index f = 0; f < mesh.face_count; ++f)
         std::fill(mesh.face.data() + mesh.first[f], mesh.face.data() + mesh.first[f + 1], f);
 }
-
-Error bad_edge(const Topology& mesh, Index h) {
-    return bad_mesh("non_manifold_edge: the faces of its edge from vertex " +
-                        std::to_string(mesh.origin[h]) + " to " + std::to_string(mesh.target(h)) +
-                        " are more than two, oriented differently, or equal; 'encode --repair' "
-                        "splits or turns them",
-                    "face", mesh.face_of(h));
-}
-
-/// Every vertex has faces, and these form one fan.
-Status check_vertices(const Topology& mesh) {
-    const Index count = mesh.vertex_count;
-    Buffer<Index> out(count);
-    Buffer<Index> faces(count);
-    std::fill_n(out.data(), count, kNone);
-    std::fill_n(faces.data(), count, Index{0});
-    for (Index h = 0; h < mesh.half_edge_count(); ++h) {
-        const Index v = mesh.origin[h];
-        ++faces[v];
-        if (out[v] == kNone || mesh.on_boundary(h)) out[v] = h;
-    }
-    for (Index v = 0; v < count; ++v) {
-        if (out[v] == kNone)
-            return bad_mesh("unused_vertex: no face names it; remove it", "vertex", v);
-        Index found = 0;
-        Index h = out[v];
-        do {
-            ++found;
-            h = rotated(mesh, h);
-        } while (h != kNone && h != out[v]);
-        if (found != faces[v])
-            return bad_mesh(
-                "non_manifold_vertex: its faces form more than one fan; 'encode --repair' gives "
-                "each fan a vertex of its own",
-                "vertex", v);
-    }
-    return {};
-}
-
-}  // namespace
 
 void number_edges(Topology& mesh) {
     mesh.edge = Buffer<Index>(mesh.twin.size());

@@ -1,12 +1,10 @@
 #include "relief/mesh/triangulation.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <utility>
 
-#include "mesh/box_tree.h"
-#include "mesh/quadrangulation_checks.h"
+#include "mesh/plane_checks.h"
 #include "mesh/triangulation_checks.h"
 #include "relief/core/buffer.h"
 
@@ -17,18 +15,6 @@ namespace {
 using Triangles = std::span<const std::array<Index, 3>>;
 
 constexpr std::size_t kMaxElements = (std::size_t{1} << 31) - 1;
-constexpr double kLargestCoordinate = 1e150;
-
-Status check_coordinates(std::span<const Vec2> vertices) {
-    const auto good = [](double t) { return std::abs(t) <= kLargestCoordinate; };
-    for (std::size_t v = 0; v < vertices.size(); ++v)
-        if (!good(vertices[v].x) || !good(vertices[v].y))
-            return bad_mesh(
-                "non_finite_input: a coordinate is not finite or beyond 1e150; correct or remove "
-                "it",
-                "vertex", v);
-    return {};
-}
 
 Status check_range(Triangles triangles, std::size_t vertex_count) {
     for (std::size_t t = 0; t < triangles.size(); ++t)
@@ -195,7 +181,7 @@ Result<Triangulation> build(std::span<const Vec2> vertices, Triangles triangles,
                      "too_many_elements: at most 2^31 - 1 vertices and a third as many triangles; "
                      "split the mesh",
                      ""};
-    RELIEF_CHECK(check_coordinates(vertices));
+    RELIEF_CHECK(check_coordinates(vertices, "non_finite_input", "vertex"));
     if (triangles.empty())
         return Error{ErrorCode::BadInput, "empty_mesh: there is no triangle; add one", ""};
     RELIEF_CHECK(check_range(triangles, vertices.size()));

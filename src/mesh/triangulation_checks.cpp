@@ -6,7 +6,6 @@
 #include <string>
 
 #include "mesh/plane_checks.h"
-#include "mesh/quadrangulation_checks.h"
 
 namespace relief::mesh {
 

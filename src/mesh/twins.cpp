@@ -1,6 +1,9 @@
 #include "mesh/twins.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "relief/mesh/walk.h"
 
 namespace relief::mesh {
 
@@ -14,7 +17,7 @@ struct Entry {
     [[nodiscard]] Index larger() const { return key >> 1; }
 };
 
-/// Buckets are small: about 3 entries.
+/// Buckets are small: about 6 entries.
 void sort_bucket(Entry* first, Entry* last) {
     constexpr std::ptrdiff_t few = 24;
     const auto less = [](const Entry& a, const Entry& b) { return a.key < b.key; };
@@ -44,23 +47,15 @@ std::vector<Index> find_twins(Topology& mesh) {
     mesh.twin = Buffer<Index>(mesh.origin.size());
     Buffer<Index> ends(std::size_t{mesh.vertex_count} + 1);
     std::fill_n(ends.data(), ends.size(), Index{0});
-    const auto each = [&](auto visit) {
-        for (Index f = 0; f < mesh.face_count; ++f) {
-            const Index begin = mesh.first_of(f);
-            const Index end = mesh.first_of(f + 1);
-            for (Index h = begin; h < end; ++h)
-                visit(h, mesh.origin[h], mesh.origin[h + 1 == end ? begin : h + 1]);
-        }
-    };
-    each([&](Index, Index a, Index b) { ++ends[std::min(a, b)]; });
+    each_half_edge(mesh, [&](Index, Index h, Index next, Index) {
+        ++ends[std::min(mesh.origin[h], mesh.origin[next])];
+    });
     Index sum = 0;
-    for (Index v = 0; v <= mesh.vertex_count; ++v) {
-        const Index size = ends[v];
-        ends[v] = sum;
-        sum += size;
-    }
+    for (Index v = 0; v <= mesh.vertex_count; ++v) sum += std::exchange(ends[v], sum);
     Buffer<Entry> entries(mesh.origin.size());
-    each([&](Index h, Index a, Index b) {
+    each_half_edge(mesh, [&](Index, Index h, Index next, Index) {
+        const Index a = mesh.origin[h];
+        const Index b = mesh.origin[next];
         entries[ends[std::min(a, b)]++] = {2 * std::max(a, b) + (a > b), h};
     });
     std::vector<Index> bad;

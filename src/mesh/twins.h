@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "relief/mesh/topology.h"
@@ -10,6 +11,10 @@ namespace relief::mesh {
 /// half-edges, or two in the same direction, which get no twins: one of each. Complexity: O(n), and
 /// O(m log m) for edges whose smaller vertex has m of them.
 [[nodiscard]] std::vector<Index> find_twins(Topology& mesh);
+
+/// Sets the faces of a mesh. Requires: what build checks of each face.
+void set_faces(std::span<const std::int64_t> offsets, std::span<const Index> corners,
+               Topology& mesh);
 
 /// Sets the numbers of edges of a mesh whose twins are there.
 void number_edges(Topology& mesh);

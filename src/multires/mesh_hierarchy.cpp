@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "relief/multires/mesh_packed.h"
+
 namespace relief::multires {
 
 namespace {
@@ -60,23 +62,29 @@ DetailFrames::DetailFrames(const MeshHierarchy& hierarchy, int step, const Vec3<
 
 void DetailFrames::in(Vec3<double>* details, Points& residuals) const {
     for (std::size_t k = 0; k < fresh_.size(); ++k) details[k] = fresh_[k].in(details[k]);
-    for (std::size_t k = 0; k < stiff_.size(); ++k) residuals[k] = stiff_[k].in(residuals[k]);
+    for (std::size_t k = 0; k < residuals.size(); ++k) residuals[k] = stiff_[k].in(residuals[k]);
 }
 
 void DetailFrames::out(Vec3<double>* details, Points& residuals) const {
     for (std::size_t k = 0; k < fresh_.size(); ++k) details[k] = fresh_[k].out(details[k]);
-    for (std::size_t k = 0; k < stiff_.size(); ++k) residuals[k] = stiff_[k].out(residuals[k]);
+    for (std::size_t k = 0; k < residuals.size(); ++k) residuals[k] = stiff_[k].out(residuals[k]);
 }
 
 Result<MeshMaps> MeshMaps::create(const MeshHierarchy& hierarchy, const MeshTransform& transform) {
     MeshMaps maps;
     maps.hierarchy_ = &hierarchy;
     maps.local_frames_ = transform.local_frames;
+    maps.packed_ = transform.packed;
     for (int step = 0; step < hierarchy.steps(); ++step) {
         maps.steps_.push_back(std::make_unique<MeshStep<double>>(hierarchy.step(step)));
         RELIEF_TRY(MeshLift lift,
                    MeshLift::create(*maps.steps_.back(), transform.lift_of(hierarchy, step)));
         maps.lifts_.push_back(std::move(lift));
+        if (transform.packed) RELIEF_CHECK(check_packed(hierarchy.rules(step)));
+        if (transform.omega == 1) continue;
+        RELIEF_TRY(const MeshSmoothing smoothing,
+                   MeshSmoothing::create(*maps.steps_.back(), transform.omega));
+        maps.smoothings_.push_back(smoothing);
     }
     return maps;
 }
@@ -84,11 +92,16 @@ Result<MeshMaps> MeshMaps::create(const MeshHierarchy& hierarchy, const MeshTran
 void MeshMaps::analyse_step(int step, Vec3<double>* points, Points& residuals) const {
     const MeshStep<double>& maps = *steps_[static_cast<std::size_t>(step)];
     const std::size_t coarse = maps.coarse_count();
-    Points scratch(hierarchy_->vertices(step + 1));
+    Buffer<Vec3<double>> scratch(coarse);
     residuals.resize(maps.rules().stiff.size());
     maps.analyse(points, residuals.data(), scratch.data());
     lifts_[static_cast<std::size_t>(step)].apply(points + coarse, residuals.data(), scratch.data());
     for (std::size_t v = 0; v < coarse; ++v) points[v] += scratch[v];
+    if (!smoothings_.empty()) smoothings_[static_cast<std::size_t>(step)].smooth(points);
+    if (packed_) {
+        pack_residuals(maps, residuals.data(), points + coarse);
+        residuals.clear();
+    }
     if (local_frames_) DetailFrames(*hierarchy_, step, points).in(points + coarse, residuals);
 }
 
@@ -102,10 +115,14 @@ void MeshMaps::synthesise_step(int step, Vec3<double>* points, const Points& res
 void MeshMaps::synthesise_global(int step, Vec3<double>* points, const Points& residuals) const {
     const MeshStep<double>& maps = *steps_[static_cast<std::size_t>(step)];
     const std::size_t coarse = maps.coarse_count();
-    Points scratch(hierarchy_->vertices(step + 1));
-    lifts_[static_cast<std::size_t>(step)].apply(points + coarse, residuals.data(), scratch.data());
+    Buffer<Vec3<double>> scratch(coarse);
+    Points unpacked(packed_ ? maps.rules().stiff.size() : 0);
+    if (packed_) unpack_residuals(maps, points + coarse, unpacked.data());
+    const Points& stiff = packed_ ? unpacked : residuals;
+    if (!smoothings_.empty()) smoothings_[static_cast<std::size_t>(step)].restore(points);
+    lifts_[static_cast<std::size_t>(step)].apply(points + coarse, stiff.data(), scratch.data());
     for (std::size_t v = 0; v < coarse; ++v) points[v] -= scratch[v];
-    maps.synthesise(points, residuals.data(), scratch.data());
+    maps.synthesise(points, stiff.data(), scratch.data());
 }
 
 void MeshMaps::analyse(Vec3<double>* points, StiffResiduals& residuals) const {

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "multires/conjugate_gradient.h"
 #include "multires/mesh_curves.h"
+#include "multires/mesh_normal.h"
 #include "multires/mesh_points.h"
 
 namespace relief::multires {
@@ -49,21 +51,17 @@ struct MeshLift::State {
 
     void prepare() {
         if (options.kind == LiftKind::Ring) prepare_ring();
-        if (options.kind == LiftKind::Chebyshev) prepare_sums();
+        if (options.kind == LiftKind::Chebyshev) prepare_sweeps();
+        if (options.kind == LiftKind::LeastSquares) normal.emplace(step);
     }
 
     [[nodiscard]] bool is_inner(Index v) const { return step.rules().kinds[v] <= VertexKind::Dart; }
-    void keep_inner(Vec3<double>* c) const {
-        for (Index v = 0; v < step.coarse_count(); ++v)
-            if (!is_inner(v)) c[v] = {};
-    }
 
-    /// Column sums of P over inner vertices.
-    void prepare_sums() {
-        Points ones(step.coarse_count() + step.new_count(), {1, 0, 0});
-        Points sums(step.coarse_count());
-        step.adjoint(ones.data(), ones.data() + step.coarse_count(), sums.data());
-        for (const auto& sum : sums) scale.push_back(1 / sum.x);
+    void prepare_sweeps() {
+        normal.emplace(step);
+        const MeshNormal::Points sums = normal->column_sums();
+        scale.resize(sums.size());
+        for (std::size_t k = 0; k < sums.size(); ++k) scale[k] = 1 / sums[k].x;
     }
 
     /// Squares of the columns of P, cut to the vertex itself and its star; K P of the same.
@@ -81,7 +79,7 @@ struct MeshLift::State {
             scale.push_back(1 / (self[v] * self[v] + squares[v]));
     }
 
-    void ring(const Points& old, const Points& fresh, Vec3<double>* out) const {
+    void ring(const Vec3<double>* old, const Vec3<double>* fresh, Vec3<double>* out) const {
         Points sums(step.coarse_count());
         for (std::size_t v = 0; v < sums.size(); ++v) sums[v] = self[v] * old[v];
         each_point_around<double>(step.coarse(), step.rules(), [&](Index v, Index point, double) {
@@ -91,56 +89,45 @@ struct MeshLift::State {
             if (is_inner(v)) out[v] = scale[v] * sums[v];
     }
 
-    /// y = P^T P x over inner vertices.
-    void normal(const Points& x, Points& y, Points& old, Points& fresh) const {
-        step.apply(x.data(), old.data(), fresh.data());
-        step.adjoint(old.data(), fresh.data(), y.data());
-        keep_inner(y.data());
+    /// The inner vertices, from what is left beside the curves.
+    void fit_surface(const Vec3<double>* old, const Vec3<double>* fresh, Vec3<double>* out) const {
+        MeshNormal::Passes passes(*normal);
+        const MeshNormal::Points target = normal->adjoint(old, fresh, passes);
+        const auto put = [&](const auto& x) {
+            for (std::size_t k = 0; k < target.size(); ++k) out[normal->vertices()[k]] = x[k];
+        };
+        if (options.kind == LiftKind::Chebyshev)
+            return put(normal->sweep(options, scale, target, passes));
+        put(conjugate_gradient<double>(
+            Points(target.data(), target.data() + target.size()),
+            [&](const Points& p, Points& y) { normal->apply(p.data(), y.data(), passes); },
+            kLeastSquares));
     }
 
-    /// Section 7.2: towards P^T P x = target.
-    void chebyshev(const Points& target, Vec3<double>* out) const {
-        const double centre = (1 + options.lowest) / 2;
-        const double radius = (1 - options.lowest) / 2;
-        const double sigma = centre / radius;
-        double rho = 1 / sigma;
-        const std::size_t count = target.size();
-        Points x(count);
-        Points move(count);
-        Points image(count);
-        Points old(count);
-        Points fresh(step.new_count());
-        for (std::size_t v = 0; v < count; ++v) move[v] = scale[v] / centre * target[v];
-        for (int sweep = 1;; ++sweep) {
-            for (std::size_t v = 0; v < count; ++v) x[v] += move[v];
-            if (sweep == options.sweeps) break;
-            normal(x, image, old, fresh);
-            const double next = 1 / (2 * sigma - rho);
-            const double step_size = 2 * next / radius;
-            for (std::size_t v = 0; v < count; ++v)
-                move[v] = next * rho * move[v] + step_size * scale[v] * (target[v] - image[v]);
-            rho = next;
-        }
-        for (Index v = 0; v < count; ++v)
-            if (is_inner(v)) out[v] = x[v];
-    }
-
-    void least_squares(const Points& target, Vec3<double>* out) const {
-        Points old(step.coarse_count());
-        Points fresh(step.new_count());
-        const Points x = conjugate_gradient<double>(
-            target, [&](const Points& p, Points& y) { normal(p, y, old, fresh); }, kLeastSquares);
-        for (Index v = 0; v < x.size(); ++v)
-            if (is_inner(v)) out[v] = x[v];
+    /// What is left of a residual beside the curves; out: what they move.
+    void fit_curves(Vec3<double>* old, Points& fresh, Vec3<double>* out) const {
+        curves.fit(old, fresh.data(), out);
+        Points old_part(step.coarse_count());
+        Points fresh_part(step.new_count());
+        step.apply(out, old_part.data(), fresh_part.data());
+        for (std::size_t k = 0; k < old_part.size(); ++k) old[k] -= old_part[k];
+        for (std::size_t k = 0; k < fresh.size(); ++k) fresh[k] -= fresh_part[k];
     }
 
     const MeshStep<double>& step;
     LiftOptions options;
     MeshCurves curves;
-    std::vector<double> scale;  ///< [vertex]
-    std::vector<double> self;   ///< ring: of a vertex in its own fine position
-    std::vector<double> star;   ///< ring: [new vertex]
+    std::optional<MeshNormal> normal;  ///< Chebyshev, least squares
+    std::vector<double> scale;         ///< [vertex]
+    std::vector<double> self;          ///< ring: of a vertex in its own fine position
+    std::vector<double> star;          ///< ring: [new vertex]
 };
+
+const char* lift_name(LiftKind kind) {
+    constexpr std::array<const char*, kLiftKinds.size()> names{"none", "ring", "chebyshev",
+                                                               "least-squares"};
+    return names[static_cast<std::size_t>(kind)];
+}
 
 LiftOptions default_lift(MeshScheme scheme, int level) {
     const int sweeps = scheme == MeshScheme::Sqrt3 ? 4 : scheme == MeshScheme::Loop ? 6 : 12;
@@ -172,25 +159,18 @@ void MeshLift::apply(const Vec3<double>* details, const Vec3<double>* residuals,
     std::fill_n(out, step.coarse_count(), Vec3<double>());
     if (state_->options.kind == LiftKind::None) return;
     // What the plain reversal leaves everywhere: e = Q d.
-    Points fresh(details, details + step.new_count());
-    Points old(step.coarse_count());
-    step.gather(fresh.data(), old.data());
+    MeshNormal::Points old(step.coarse_count());
+    step.gather(details, old.data());
     const auto& stiff = step.rules().stiff.vertices;
     for (std::size_t k = 0; k < stiff.size(); ++k) old[stiff[k]] += residuals[k];
+    Points beside;
     if (!state_->curves.empty()) {
-        state_->curves.fit(old.data(), fresh.data(), out);
-        Points old_part(old.size());
-        Points fresh_part(fresh.size());
-        step.apply(out, old_part.data(), fresh_part.data());
-        for (std::size_t k = 0; k < old.size(); ++k) old[k] -= old_part[k];
-        for (std::size_t k = 0; k < fresh.size(); ++k) fresh[k] -= fresh_part[k];
+        beside.assign(details, details + step.new_count());
+        state_->fit_curves(old.data(), beside, out);
     }
-    if (state_->options.kind == LiftKind::Ring) return state_->ring(old, fresh, out);
-    Points target(old.size());
-    step.adjoint(old.data(), fresh.data(), target.data());
-    state_->keep_inner(target.data());
-    if (state_->options.kind == LiftKind::Chebyshev) return state_->chebyshev(target, out);
-    state_->least_squares(target, out);
+    const Vec3<double>* fresh = beside.empty() ? details : beside.data();
+    if (state_->options.kind == LiftKind::Ring) return state_->ring(old.data(), fresh, out);
+    state_->fit_surface(old.data(), fresh, out);
 }
 
 }  // namespace relief::multires

@@ -24,7 +24,20 @@ struct Found {
     Unsplit unsplit;
     Split split = Split::Loop;
     MeshTags tags;
+    bool in_order = false;  ///< the finer one has the numbers of the split
 };
+
+/// For each half-edge of a mesh where its split has what Unsplit::fine names.
+Buffer<Index> own_starts(const Topology& coarse, Split split) {
+    Buffer<Index> starts(coarse.half_edge_count());
+    const bool sqrt3 = split == Split::Sqrt3Odd || split == Split::Sqrt3Even;
+    const Buffer<Index> faces = sqrt3 ? mesh::sqrt3_faces(coarse, split) : Buffer<Index>();
+    for (Index h = 0; h < starts.size(); ++h)
+        starts[h] = sqrt3                  ? 3 * faces[h]
+                    : split == Split::Loop ? 12 * (h / 3) + 3 * (h % 3)
+                                           : 4 * h;
+    return starts;
+}
 
 /// Tags of the coarser mesh: an edge is sharp if both of its halves are.
 MeshTags coarser_tags(const MeshTags& tags, const Topology& fine, const Found& found,
@@ -60,7 +73,8 @@ struct Ordered {
     std::vector<Index> half_edge;  ///< [vertex]: one of the mesh's that begins there
 };
 
-Result<Ordered> ordered(const Topology& fine, const Points& points, const Found& found) {
+Result<Ordered> ordered(const Topology& fine, std::span<const Vec3<double>> points,
+                        const Found& found) {
     RELIEF_TRY(const Topology again, mesh::refine(found.unsplit.mesh, found.split));
     const auto half_edges =
         mesh::fine_half_edges(found.unsplit.mesh, found.split, fine, found.unsplit.fine);
@@ -89,15 +103,16 @@ class Descent {
   public:
     Descent(const Topology& mesh, std::span<const Vec3<double>> points, const MeshTags& tags,
             MeshScheme scheme)
-        : mesh_(mesh), tags_(tags), scheme_(scheme) {
-        points_.emplace_back(points.begin(), points.end());
-    }
+        : mesh_(mesh), tags_(tags), scheme_(scheme), points_(points) {}
 
     /// All levels, the finest step first; sqrt(3): `even` is the parity of that one.
     void run(bool even, int most) {
+        descend_in_order(even, most);
+        even = even != (levels_.size() % 2 != 0);
         while (static_cast<int>(levels_.size()) < most) {
             const Split split = split_of(scheme_, even ? 1 : 0);
             const Recognition recognition(finest_left(), split);
+            if (recognition.ok()) link_levels_in_order();
             Result<Found> found =
                 recognition.ok() ? choose(recognition, split) : Result<Found>(recognition.error());
             if (!found.ok()) {
@@ -121,18 +136,50 @@ class Descent {
         return levels_.empty() ? tags_ : levels_.back().tags;
     }
 
+    /// As far as meshes have the numbers of subdivision: no other way could be meant.
+    void descend_in_order(bool even, int most) {
+        while (static_cast<int>(levels_.size()) < most) {
+            Found level;
+            level.split = split_of(scheme_, even == (levels_.size() % 2 == 0) ? 1 : 0);
+            auto coarse = mesh::unsplit_in_order(finest_left(), level.split);
+            if (!coarse) break;
+            level.in_order = true;
+            level.unsplit.mesh = *std::move(coarse);
+            levels_.push_back(std::move(level));
+        }
+        while (!levels_.empty() && !mesh::is_built(finest_left())) levels_.pop_back();
+        if (!tags_.sharp.empty() || !tags_.corner.empty()) link_levels_in_order();
+        for (std::size_t k = 0; k < levels_.size(); ++k)
+            levels_[k].tags =
+                coarser_tags(k == 0 ? tags_ : levels_[k - 1].tags, finer(k), levels_[k], nullptr);
+    }
+
+    /// Tells where in the finer mesh those levels are.
+    void link_levels_in_order() {
+        for (Found& level : levels_) {
+            Unsplit& unsplit = level.unsplit;
+            if (!level.in_order || unsplit.fine.size() > 0) continue;
+            unsplit.fine = own_starts(unsplit.mesh, level.split);
+            unsplit.old_vertices.resize(unsplit.mesh.vertex_count);
+            std::iota(unsplit.old_vertices.begin(), unsplit.old_vertices.end(), Index{0});
+        }
+    }
+
     /// Of the coarsest mesh so far. They are needed where there is a choice only.
-    Result<const Points*> points_left() {
-        while (points_.size() <= levels_.size()) {
-            const std::size_t k = points_.size() - 1;
+    Result<std::span<const Vec3<double>>> points_left() {
+        while (coarser_points_.size() < levels_.size()) {
+            const std::size_t k = coarser_points_.size();
             const Found& found = levels_[k];
-            RELIEF_TRY(const Ordered fine, ordered(finer(k), points_[k], found));
+            RELIEF_TRY(const Ordered fine, ordered(finer(k), points_at(k), found));
             RELIEF_TRY(const StepRules rules,
                        step_rules(found.unsplit.mesh, found.tags, found.split));
             RELIEF_TRY(Points coarse, lifted({found.unsplit.mesh, rules}, fine.points, scheme_));
-            points_.push_back(std::move(coarse));
+            coarser_points_.push_back(std::move(coarse));
         }
-        return &points_.back();
+        return points_at(levels_.size());
+    }
+    [[nodiscard]] std::span<const Vec3<double>> points_at(std::size_t k) const {
+        return k == 0 ? points_ : coarser_points_[k - 1];
     }
 
     Result<Found> found(const Recognition& recognition, Split split,
@@ -144,6 +191,14 @@ class Descent {
         return result;
     }
 
+    /// The components seen in some ways, and how far subdivision stays from the points.
+    struct Attempt {
+        std::vector<std::size_t> choice;
+        Found found;
+        Points coarse;
+        std::vector<double> squares;  ///< [component]: of the distances
+    };
+
     /// For each component the way from which subdivision comes nearest.
     Result<Found> choose(const Recognition& recognition, Split split) {
         const std::size_t components = recognition.components();
@@ -151,46 +206,52 @@ class Descent {
         for (std::size_t c = 0; c < components; ++c) most = std::max(most, recognition.ways(c));
         std::vector<std::size_t> best(components, 0);
         std::vector<double> least(components, std::numeric_limits<double>::infinity());
-        for (std::size_t way = 0; most > 1 && !points_[0].empty() && way < most; ++way) {
+        std::optional<Attempt> kept;
+        for (std::size_t way = 0; most > 1 && !points_.empty() && way < most; ++way) {
             std::vector<std::size_t> choice(components);
             for (std::size_t c = 0; c < components; ++c)
                 choice[c] = std::min(way, recognition.ways(c) - 1);
-            RELIEF_TRY(const std::vector<double> distances,
-                       squared_distances(recognition, split, choice));
+            RELIEF_TRY(Attempt attempt, attempted(recognition, split, std::move(choice)));
             for (std::size_t c = 0; c < components; ++c)
-                if (distances[c] < least[c]) {
-                    least[c] = distances[c];
-                    best[c] = choice[c];
+                if (attempt.squares[c] < least[c]) {
+                    least[c] = attempt.squares[c];
+                    best[c] = attempt.choice[c];
                 }
+            if (best == attempt.choice) kept = std::move(attempt);
         }
-        return found(recognition, split, best);
+        if (!kept || kept->choice != best) return found(recognition, split, best);
+        coarser_points_.push_back(std::move(kept->coarse));
+        return std::move(kept->found);
     }
 
-    /// Of the points from the nearest subdivision, for each component.
-    Result<std::vector<double>> squared_distances(const Recognition& recognition, Split split,
-                                                  const std::vector<std::size_t>& choice) {
-        RELIEF_TRY(const Found way, found(recognition, split, choice));
-        RELIEF_TRY(const Points* points, points_left());
-        RELIEF_TRY(const Ordered fine, ordered(finest_left(), *points, way));
-        RELIEF_TRY(const StepRules rules, step_rules(way.unsplit.mesh, way.tags, split));
-        const MeshStep<double> step(way.unsplit.mesh, rules);
-        RELIEF_TRY(const Points c, lifted(step, fine.points, scheme_));
+    Result<Attempt> attempted(const Recognition& recognition, Split split,
+                              std::vector<std::size_t> choice) {
+        Attempt attempt;
+        RELIEF_TRY(attempt.found, found(recognition, split, choice));
+        const Topology& coarse = attempt.found.unsplit.mesh;
+        RELIEF_TRY(const auto points, points_left());
+        RELIEF_TRY(const Ordered fine, ordered(finest_left(), points, attempt.found));
+        RELIEF_TRY(const StepRules rules, step_rules(coarse, attempt.found.tags, split));
+        const MeshStep<double> step(coarse, rules);
+        RELIEF_TRY(attempt.coarse, lifted(step, fine.points, scheme_));
         Points surface(fine.points.size());
-        step.apply(c.data(), surface.data(), surface.data() + c.size());
-        std::vector<double> sums(recognition.components(), 0);
+        step.apply(attempt.coarse.data(), surface.data(), surface.data() + attempt.coarse.size());
+        attempt.squares.assign(recognition.components(), 0);
         for (std::size_t k = 0; k < surface.size(); ++k) {
             const Vec3<double> off = fine.points[k] - surface[k];
-            sums[recognition.parts().of_face[finest_left().face_of(fine.half_edge[k])]] +=
-                dot(off, off);
+            const Index face = finest_left().face_of(fine.half_edge[k]);
+            attempt.squares[recognition.parts().of_face[face]] += dot(off, off);
         }
-        return sums;
+        attempt.choice = std::move(choice);
+        return attempt;
     }
 
     const Topology& mesh_;
     const MeshTags& tags_;
     MeshScheme scheme_;
     std::vector<Found> levels_;
-    std::vector<Points> points_;  ///< of the mesh and of the coarser ones, as far as asked for
+    std::span<const Vec3<double>> points_;
+    std::vector<Points> coarser_points_;  ///< of levels_, as far as asked for
     std::optional<Error> reason_;
 };
 
@@ -214,15 +275,6 @@ Result<Buffer<Index>> climb(const Topology& fine, const std::vector<Found>& leve
     return here;
 }
 
-/// The mesh at the end of the steps over a base.
-Result<Topology> finest_of(const std::vector<Found>& levels, const Topology& base) {
-    RELIEF_TRY(Topology mesh, mesh::refine(base, levels.back().split));
-    for (std::size_t k = levels.size() - 1; k-- > 0;) {
-        RELIEF_TRY(mesh, mesh::refine(mesh, levels[k].split));
-    }
-    return mesh;
-}
-
 /// What tells the order of a base's faces and corners: numbers in the mesh of what they give, which
 /// grow where the mesh was made by subdivision.
 struct Keys {
@@ -230,54 +282,44 @@ struct Keys {
     std::vector<Index> of_face;  ///< sqrt(3): first; else empty
 };
 
-/// Loop, Catmull-Clark: the first face in the end. fine_face: of the hierarchy's, in the mesh.
-template <class FineFace>
-Keys keys_of_corners(const std::vector<Found>& levels, const Topology& base, FineFace fine_face) {
-    const bool loop = levels.back().split == Split::Loop;
+/// Loop, Catmull-Clark: the first face that each corner gives in the end.
+Keys keys_of_corners(const std::vector<Found>& levels, const Topology& mesh) {
     Keys keys;
-    for (Index h = 0; h < base.half_edge_count(); ++h) {
-        Index face = loop ? 4 * (h / 3) + h % 3 : h;
-        for (std::size_t k = 1; k < levels.size(); ++k) face *= 4;
-        keys.of_half_edge.push_back(fine_face(face));
+    const Buffer<Index>& starts = levels.back().unsplit.fine;
+    for (Index corner = 0; corner < starts.size(); ++corner) {
+        Index h = starts[corner];
+        for (std::size_t k = levels.size() - 1; k-- > 0;) h = levels[k].unsplit.fine[h];
+        keys.of_half_edge.push_back(mesh.face_of(h));
     }
     return keys;
 }
 
 /// sqrt(3): the vertices that the first step puts into faces and the second one into what each
-/// half-edge gives, or its face in the end. vertices: of the hierarchy, in the mesh.
-template <class FineFace>
-Result<Keys> keys_of_edges(const std::vector<Found>& levels, const Topology& base,
-                           const std::vector<Index>& vertices, FineFace fine_face) {
-    const Split split = levels.back().split;
-    Keys keys;
-    const mesh::FacePoints points = mesh::face_points(base, split);
-    for (Index f = 0; f < base.face_count; ++f) keys.of_face.push_back(vertices[points[f]]);
-    const Buffer<Index> faces = mesh::sqrt3_faces(base, split);
-    keys.of_half_edge.resize(base.half_edge_count());
-    if (levels.size() == 1) {
-        for (Index h = 0; h < faces.size(); ++h) keys.of_half_edge[h] = fine_face(faces[h]);
-        return keys;
-    }
-    RELIEF_TRY(const Topology next, mesh::refine(base, split));
-    const mesh::FacePoints second = mesh::face_points(next, levels[levels.size() - 2].split);
-    for (Index h = 0; h < faces.size(); ++h) keys.of_half_edge[h] = vertices[second[faces[h]]];
-    return keys;
-}
-
-Result<Keys> keys_of(const std::vector<Found>& levels, const Topology& fine,
-                     const Buffer<Index>& half_edges) {
-    const Topology& base = levels.back().unsplit.mesh;
-    const auto fine_face = [&](Index face) {
-        return fine.face_of(half_edges[static_cast<Index>(fine.sides) * face]);
+/// half-edge gives, or its face in the end.
+Keys keys_of_edges(const std::vector<Found>& levels, const Topology& mesh) {
+    const auto at = [&](std::size_t k) -> const Topology& {
+        return k == 0 ? mesh : levels[k - 1].unsplit.mesh;
     };
-    const Split split = levels.back().split;
-    if (split == Split::Loop || split == Split::CatmullClark)
-        return keys_of_corners(levels, base, fine_face);
-    RELIEF_TRY(const Topology finest, finest_of(levels, base));
-    std::vector<Index> vertices(finest.vertex_count);
-    for (Index h = 0; h < finest.half_edge_count(); ++h)
-        vertices[finest.origin[h]] = fine.origin[half_edges[h]];
-    return keys_of_edges(levels, base, vertices, fine_face);
+    // The vertex that level k puts into a face, the first of two, by its number in the mesh.
+    const auto point = [&](std::size_t k, const Topology& coarse, Index f) {
+        const Index side = mesh::boundary_side(coarse, f);
+        const bool trisected = levels[k].split == Split::Sqrt3Even && side != kNone;
+        const Topology& fine = at(k);
+        const Index h = levels[k].unsplit.fine[trisected ? side : 3 * f];
+        Index v = fine.origin[trisected ? h : fine.prev(h)];
+        for (std::size_t finer = k; finer-- > 0;) v = levels[finer].unsplit.old_vertices[v];
+        return v;
+    };
+    const std::size_t last = levels.size() - 1;
+    const Topology& base = levels[last].unsplit.mesh;
+    Keys keys;
+    for (Index f = 0; f < base.face_count; ++f) keys.of_face.push_back(point(last, base, f));
+    const Buffer<Index>& starts = levels[last].unsplit.fine;
+    for (Index h = 0; h < starts.size(); ++h) {
+        const Index face = at(last).face_of(starts[h]);
+        keys.of_half_edge.push_back(last == 0 ? face : point(last - 1, at(last), face));
+    }
+    return keys;
 }
 
 /// The base with its faces in the order in which the mesh has what they give, each from the corner
@@ -352,38 +394,27 @@ Result<MeshOrigin> origin_of(const Topology& mesh, std::span<const Vec3<double>>
     if (levels.empty())
         return descent.reason().value_or(
             Error{ErrorCode::InvalidArgument, "at least one level is needed", "levels"});
-    const Topology& found = levels.back().unsplit.mesh;
-    Buffer<Index> same(found.half_edge_count());
-    std::iota(same.data(), same.data() + same.size(), Index{0});
-    RELIEF_TRY(const Buffer<Index> half_edges, climb(mesh, levels, found, std::move(same)));
-    RELIEF_TRY(const Keys keys, keys_of(levels, mesh, half_edges));
-    RELIEF_TRY(Arranged base, arranged(found, levels.back().tags, keys));
     MeshOrigin origin;
-    RELIEF_TRY(origin.half_edges, climb(mesh, levels, base.base, std::move(base.half_edges)));
     coarser_tags(tags, mesh, levels.front(), &origin.lost_creases);
     origin.spec.scheme = scheme;
     origin.spec.first_even = open && levels.back().split == Split::Sqrt3Even;
     origin.steps = static_cast<int>(levels.size());
+    if (levels.back().in_order) {
+        origin.base = std::move(levels.back().unsplit.mesh);
+        origin.tags = std::move(levels.back().tags);
+        origin.half_edges = Buffer<Index>(mesh.half_edge_count());
+        std::iota(origin.half_edges.data(), origin.half_edges.data() + mesh.half_edge_count(),
+                  Index{0});
+        return origin;
+    }
+    const Keys keys =
+        scheme == MeshScheme::Sqrt3 ? keys_of_edges(levels, mesh) : keys_of_corners(levels, mesh);
+    RELIEF_TRY(Arranged base, arranged(levels.back().unsplit.mesh, levels.back().tags, keys));
+    RELIEF_TRY(origin.half_edges, climb(mesh, levels, base.base, std::move(base.half_edges)));
     origin.tags = std::move(base.tags);
     origin.base = std::move(base.base);
     return origin;
 }
-
-namespace {
-
-/// For each half-edge of a mesh where its split has what Unsplit::fine names.
-Buffer<Index> own_starts(const Topology& coarse, Split split) {
-    Buffer<Index> starts(coarse.half_edge_count());
-    const bool sqrt3 = split == Split::Sqrt3Odd || split == Split::Sqrt3Even;
-    const Buffer<Index> faces = sqrt3 ? mesh::sqrt3_faces(coarse, split) : Buffer<Index>();
-    for (Index h = 0; h < starts.size(); ++h)
-        starts[h] = sqrt3                  ? 3 * faces[h]
-                    : split == Split::Loop ? 12 * (h / 3) + 3 * (h % 3)
-                                           : 4 * h;
-    return starts;
-}
-
-}  // namespace
 
 Result<MeshOrigin> renumbered(const MeshOrigin& origin, std::span<const Index> vertices,
                               std::span<const Index> corners) {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "multires/conjugate_gradient.h"
 #include "multires/mesh_points.h"
+#include "multires/stiff_system.h"
 #include "relief/mesh/walk.h"
 
 namespace relief::multires {
@@ -20,14 +20,17 @@ constexpr T weight(double w) {
     return static_cast<T>(w);
 }
 
-/// Means of the corners of faces, and back.
+/// Triangles: the half-edge before.
+Index prev3(Index h) {
+    return h % 3 == 0 ? h + 2 : h - 1;
+}
+
+/// The means of the corners of faces, and back.
 template <class T>
-void face_means(const Topology& mesh, const Vec3<T>* c, Vec3<T>* faces) {
-    for (Index f = 0; f < mesh.face_count; ++f) {
-        Vec3<T> sum;
-        for (const Index v : mesh.corners(f)) sum += c[v];
-        faces[f] = T{1} / static_cast<T>(mesh.size_of(f)) * sum;
-    }
+Vec3<T> face_mean(const Topology& mesh, const Vec3<T>* c, Index f) {
+    Vec3<T> sum;
+    for (const Index v : mesh.corners(f)) sum += c[v];
+    return T{1} / static_cast<T>(mesh.size_of(f)) * sum;
 }
 
 template <class T>
@@ -38,19 +41,20 @@ void face_means_adjoint(const Topology& mesh, const Vec3<T>* faces, Vec3<T>* c) 
     }
 }
 
+// predict: put(x, P_new c at x) for all new vertices.
 template <class T>
 struct LoopPoints {
-    static void predict(const Topology& mesh, const StepRules& rules, const Vec3<T>* c,
-                        Vec3<T>* fresh) {
+    template <class Put>
+    static void predict(const Topology& mesh, const StepRules& rules, const Vec3<T>* c, Put put) {
         mesh::each_edge(mesh, [&](Index h, Index next, Index prev) {
             const Vec3<T> ends = c[mesh.origin[h]] + c[mesh.origin[next]];
             if (is_sharp(rules, mesh, h)) {
-                fresh[mesh.edge[h]] = weight<T>(rules::kSharpEdgeEnd) * ends;
+                put(mesh.edge[h], weight<T>(rules::kSharpEdgeEnd) * ends);
                 return;
             }
-            const Vec3<T> wings = c[mesh.origin[prev]] + c[mesh.origin[mesh.prev(mesh.twin[h])]];
-            fresh[mesh.edge[h]] =
-                weight<T>(rules::kLoopEdgeEnd) * ends + weight<T>(rules::kLoopEdgeWing) * wings;
+            const Vec3<T> wings = c[mesh.origin[prev]] + c[mesh.origin[prev3(mesh.twin[h])]];
+            put(mesh.edge[h],
+                weight<T>(rules::kLoopEdgeEnd) * ends + weight<T>(rules::kLoopEdgeWing) * wings);
         });
     }
 
@@ -66,27 +70,30 @@ struct LoopPoints {
             if (sharp) return;
             const Vec3<T> wing = weight<T>(rules::kLoopEdgeWing) * value;
             c[mesh.origin[prev]] += wing;
-            c[mesh.origin[mesh.prev(mesh.twin[h])]] += wing;
+            c[mesh.origin[prev3(mesh.twin[h])]] += wing;
         });
     }
 };
 
 template <class T>
 struct QuadPoints {
-    static void predict(const Topology& mesh, const StepRules& rules, const Vec3<T>* c,
-                        Vec3<T>* fresh) {
-        Vec3<T>* faces = fresh + mesh.edge_count;
-        face_means(mesh, c, faces);
+    template <class Put>
+    static void predict(const Topology& mesh, const StepRules& rules, const Vec3<T>* c, Put put) {
+        Buffer<Vec3<T>> means(mesh.face_count);
+        for (Index f = 0; f < mesh.face_count; ++f) {
+            means[f] = face_mean(mesh, c, f);
+            put(mesh.edge_count + f, means[f]);
+        }
         mesh::each_half_edge(mesh, [&](Index f, Index h, Index next, Index) {
             if (!mesh.is_first(h)) return;
             const Vec3<T> ends = c[mesh.origin[h]] + c[mesh.origin[next]];
             if (is_sharp(rules, mesh, h)) {
-                fresh[mesh.edge[h]] = weight<T>(rules::kSharpEdgeEnd) * ends;
+                put(mesh.edge[h], weight<T>(rules::kSharpEdgeEnd) * ends);
                 return;
             }
-            const Vec3<T> both = faces[f] + faces[mesh.face_of(mesh.twin[h])];
-            fresh[mesh.edge[h]] =
-                weight<T>(rules::kQuadEdgeEnd) * ends + weight<T>(rules::kQuadEdgeFace) * both;
+            const Vec3<T> both = means[f] + means[mesh.face_of(mesh.twin[h])];
+            put(mesh.edge[h],
+                weight<T>(rules::kQuadEdgeEnd) * ends + weight<T>(rules::kQuadEdgeFace) * both);
         });
     }
 
@@ -111,18 +118,19 @@ struct QuadPoints {
 
 template <class T>
 struct Sqrt3Points {
-    static void predict(const Topology& mesh, const StepRules& rules, const Vec3<T>* c,
-                        Vec3<T>* fresh) {
+    template <class Put>
+    static void predict(const Topology& mesh, const StepRules& rules, const Vec3<T>* c, Put put) {
         for (Index f = 0; f < mesh.face_count; ++f) {
+            if (is_trisected(mesh, rules, f)) continue;
             const Index* v = mesh.origin.data() + 3 * f;
-            fresh[face_point(mesh, rules, f)] =
-                weight<T>(rules::kFacePoint3) * (c[v[0]] + c[v[1]] + c[v[2]]);
+            put(face_point(mesh, rules, f),
+                weight<T>(rules::kFacePoint3) * (c[v[0]] + c[v[1]] + c[v[2]]));
         }
         for (const Trisection& third : rules.trisections) {
-            fresh[third.point] =
-                near_point(c[third.from], c[third.to], c[third.before], third.from_corner);
-            fresh[third.point + 1] =
-                near_point(c[third.to], c[third.from], c[third.after], third.to_corner);
+            put(third.point,
+                near_point(c[third.from], c[third.to], c[third.before], third.from_corner));
+            put(third.point + 1,
+                near_point(c[third.to], c[third.from], c[third.after], third.to_corner));
         }
     }
 
@@ -158,13 +166,18 @@ struct Sqrt3Points {
     }
 };
 
+template <class T, class Put>
+void predict_each(const Topology& mesh, const StepRules& rules, const Vec3<T>* c, Put put) {
+    if (rules.split == Split::Loop) return LoopPoints<T>::predict(mesh, rules, c, put);
+    if (rules.split == Split::CatmullClark) return QuadPoints<T>::predict(mesh, rules, c, put);
+    Sqrt3Points<T>::predict(mesh, rules, c, put);
+}
+
 }  // namespace
 
 template <class T>
 void MeshStep<T>::predict(ConstPoints c, Points fresh) const {
-    if (rules_.split == Split::Loop) return LoopPoints<T>::predict(mesh_, rules_, c, fresh);
-    if (rules_.split == Split::CatmullClark) return QuadPoints<T>::predict(mesh_, rules_, c, fresh);
-    Sqrt3Points<T>::predict(mesh_, rules_, c, fresh);
+    predict_each(mesh_, rules_, c, [&](Index x, const Vec3<T>& value) { fresh[x] = value; });
 }
 
 template <class T>
@@ -241,15 +254,15 @@ void MeshStep<T>::analyse(Points fine, Points residuals, Points scratch) const {
             weight<T>(w.weight / rules_.self[w.apex]) * (scratch[w.from] + scratch[w.to]);
     if (stiff.size() > 0) solve_stiff(fine, scratch, scratch);
     std::copy_n(scratch, coarse_count(), fine);
-    predict(fine, scratch);
-    for (std::size_t x = 0; x < new_count(); ++x) fresh[x] -= scratch[x];
+    const ConstPoints c = fine;
+    predict_each(mesh_, rules_, c, [&](Index x, const Vec3<T>& value) { fresh[x] -= value; });
 }
 
 template <class T>
 void MeshStep<T>::synthesise(Points fine, ConstPoints residuals, Points scratch) const {
     const Points fresh = fine + coarse_count();
-    predict(fine, scratch);
-    for (std::size_t x = 0; x < new_count(); ++x) fresh[x] += scratch[x];
+    const ConstPoints c = fine;
+    predict_each(mesh_, rules_, c, [&](Index x, const Vec3<T>& value) { fresh[x] += value; });
     gather(fresh, scratch);
     add_self(fine, scratch);
     for (std::size_t k = 0; k < rules_.stiff.size(); ++k)
@@ -273,14 +286,7 @@ void MeshStep<T>::solve_stiff(ConstPoints fine, ConstPoints gathered, Points c) 
         const Index other = place[mesh_.origin[next]];
         if (k != kNone && other == kNone) known[k] -= gathered[mesh_.origin[next]];
     });
-    const auto product = [&](const std::vector<Vec3<T>>& x, std::vector<Vec3<T>>& y) {
-        for (std::size_t k = 0; k < x.size(); ++k) {
-            y[k] = T{3} * x[k];
-            for (const Index w : stiff.neighbours[k])
-                if (w != kNone) y[k] += x[w];
-        }
-    };
-    std::vector<Vec3<T>> solution = conjugate_gradient<T>(known, product);
+    std::vector<Vec3<T>> solution = solve_stiff_system<T>(stiff, known);
     for (const auto& component : stiff.alternating) {
         Vec3<T> mean;
         for (std::size_t k = 0; k < component.places.size(); ++k)

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "relief/spline/ps_element.h"
 
 /// The numbers of a triangle of a surface: V_k - Z, Z, the weights of V_k in R_k, then for each
@@ -17,15 +19,29 @@ inline Vec2 centre(const double* block) {
 }
 
 /// As spline::PsElement::piece_of, without branches: nothing can predict where points lie.
-inline int piece_of(const double* block, Vec2 d) {
-    double height[3];  // of the point over the line from Z to V_k
-    for (int k = 0; k < 3; ++k) height[k] = block[2 * k] * d.y - block[2 * k + 1] * d.x;
-    const int left = (height[0] >= 0 ? 1 : 0) + (height[1] >= 0 ? 2 : 0) + (height[2] >= 0 ? 4 : 0);
-    const int k = spline::kPsSector[left];
-    const int j = k == 2 ? 0 : k + 1;
-    const double weight = block[kWeights + k];
-    return 2 * k + (weight * height[k] + (1 - weight) * height[j] >= 0 ? 1 : 0);
-}
+class PieceFinder {
+  public:
+    explicit PieceFinder(const double* block) {
+        std::copy_n(block, 6, corner_);
+        std::copy_n(block + kWeights, 3, weight_);
+    }
+
+    [[nodiscard]] int piece_of(Vec2 d) const {
+        double height[3];  // of the point over the line from Z to V_k
+        for (int k = 0; k < 3; ++k) height[k] = corner_[2 * k] * d.y - corner_[2 * k + 1] * d.x;
+        double over[3];  // over the line from Z to R_k
+        for (int k = 0; k < 3; ++k)
+            over[k] = weight_[k] * height[k] + (1 - weight_[k]) * height[k == 2 ? 0 : k + 1];
+        const auto bit = [](double number, int shift) { return (number >= 0 ? 1 : 0) << shift; };
+        const int left = bit(height[0], 0) + bit(height[1], 1) + bit(height[2], 2);
+        const int k = spline::kPsSector[left];
+        return 2 * k + ((bit(over[0], 0) + bit(over[1], 1) + bit(over[2], 2)) >> k & 1);
+    }
+
+  private:
+    double corner_[6];
+    double weight_[3];
+};
 
 /// The lines from Z, to V_0, R_0, V_1, R_1, V_2, R_2; spoke k begins piece k.
 inline std::array<Vec2, 6> spokes(const double* block) {

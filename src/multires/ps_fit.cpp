@@ -96,7 +96,7 @@ struct LeastSquares::State {
     [[nodiscard]] Result<BlockCholesky> factors(double smoothing) const {
         const GraphView view = graph_of(graph);
         BlockCholesky solver(view, order);
-        const BlockMatrix sum =
+        const NormalMatrix sum =
             combined(normal, smoothing * area * sites.total_weight(), smoothness);
         // With smoothing the system is positive definite wherever the mesh is fine enough for
         // the data; what thin triangles lose to rounding is harmless.
@@ -211,8 +211,8 @@ struct LeastSquares::State {
     const Space& space;
     SortedSites sites;
     mesh::VertexStars graph;
-    BlockMatrix normal;
-    BlockMatrix smoothness;
+    NormalMatrix normal;
+    NormalMatrix smoothness;
     bool determined;
     double area = 0;
     std::size_t used = 0;  ///< points of positive weight

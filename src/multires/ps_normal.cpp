@@ -61,7 +61,7 @@ std::array<PsPolynomials, 9> basis_polynomials(const Space& space, Index t) {
 /// functional of the coefficients around.
 class Jumps {
   public:
-    Jumps(const Space& space, const VertexStars& graph, BlockMatrix& matrix)
+    Jumps(const Space& space, const VertexStars& graph, NormalMatrix& matrix)
         : space_(space), graph_(graph), matrix_(matrix) {}
 
     void add_inside(Index t) {
@@ -127,10 +127,10 @@ class Jumps {
 
     const Space& space_;
     const VertexStars& graph_;
-    BlockMatrix& matrix_;
+    NormalMatrix& matrix_;
 };
 
-Block3& block_of(BlockMatrix& matrix, const VertexStars& graph, Index v, Index w) {
+Block3& block_of(NormalMatrix& matrix, const VertexStars& graph, Index v, Index w) {
     if (v == w) return matrix.diagonal[v];
     const auto around = graph.of(v);
     const auto place = std::lower_bound(around.begin(), around.end(), w) - around.begin();
@@ -168,7 +168,7 @@ VertexStars coupling(const mesh::Triangulation& mesh, Energy energy) {
     return all;
 }
 
-void BlockMatrix::add(const VertexStars& graph, const std::array<Index, 3>& vertices,
+void NormalMatrix::add(const VertexStars& graph, const std::array<Index, 3>& vertices,
                       const PsMatrix& matrix) {
     for (std::size_t k = 0; k < 3; ++k)
         for (std::size_t l = 0; l < 3; ++l) {
@@ -179,7 +179,7 @@ void BlockMatrix::add(const VertexStars& graph, const std::array<Index, 3>& vert
         }
 }
 
-void BlockMatrix::add_square(const VertexStars& graph, const Index* vertices, std::size_t count,
+void NormalMatrix::add_square(const VertexStars& graph, const Index* vertices, std::size_t count,
                              const Column3* functional, double factor) {
     for (std::size_t k = 0; k < count; ++k)
         for (std::size_t l = 0; l < count; ++l) {
@@ -190,8 +190,8 @@ void BlockMatrix::add_square(const VertexStars& graph, const Index* vertices, st
         }
 }
 
-BlockMatrix combined(const BlockMatrix& a, double factor, const BlockMatrix& b) {
-    BlockMatrix sum = a;
+NormalMatrix combined(const NormalMatrix& a, double factor, const NormalMatrix& b) {
+    NormalMatrix sum = a;
     const auto add = [&](std::vector<Block3>& to, const std::vector<Block3>& from) {
         for (std::size_t k = 0; k < to.size(); ++k)
             for (std::size_t i = 0; i < 9; ++i) to[k][i] += factor * from[k][i];
@@ -201,8 +201,8 @@ BlockMatrix combined(const BlockMatrix& a, double factor, const BlockMatrix& b) 
     return sum;
 }
 
-BlockMatrix energy_matrix(const Space& space, const VertexStars& graph, Energy energy) {
-    BlockMatrix matrix(graph);
+NormalMatrix energy_matrix(const Space& space, const VertexStars& graph, Energy energy) {
+    NormalMatrix matrix(graph);
     const auto& mesh = space.mesh;
     if (energy == Energy::ThinPlate) {
         each_triangle<PsMatrix>(
@@ -255,8 +255,8 @@ std::array<double, 9> SortedSites::row(const BasisPolynomials& basis, std::size_
     return values;
 }
 
-BlockMatrix SortedSites::normal_matrix(const VertexStars& graph) const {
-    BlockMatrix matrix(graph);
+NormalMatrix SortedSites::normal_matrix(const VertexStars& graph) const {
+    NormalMatrix matrix(graph);
     const auto local = [&](Index t) {
         PsMatrix sum{};
         if (first_[t] == first_[t + 1]) return sum;

@@ -17,12 +17,12 @@ namespace relief::multires::ps {
 }
 
 /// A symmetric matrix over the coefficients, with blocks where `graph` has edges.
-struct BlockMatrix {
+struct NormalMatrix {
     std::vector<Block3> diagonal;
     std::vector<Block3> off_diagonal;  ///< parallel to the graph's items
 
-    BlockMatrix() = default;
-    explicit BlockMatrix(const mesh::VertexStars& graph)
+    NormalMatrix() = default;
+    explicit NormalMatrix(const mesh::VertexStars& graph)
         : diagonal(graph.first.size() - 1, Block3{}), off_diagonal(graph.items.size(), Block3{}) {}
 
     /// Adds a matrix over the nine coefficients of three vertices.
@@ -34,10 +34,10 @@ struct BlockMatrix {
 };
 
 /// a + factor b.
-[[nodiscard]] BlockMatrix combined(const BlockMatrix& a, double factor, const BlockMatrix& b);
+[[nodiscard]] NormalMatrix combined(const NormalMatrix& a, double factor, const NormalMatrix& b);
 
 /// The energy of a spline as c^T (matrix) c.
-[[nodiscard]] BlockMatrix energy_matrix(const Space& space, const mesh::VertexStars& graph,
+[[nodiscard]] NormalMatrix energy_matrix(const Space& space, const mesh::VertexStars& graph,
                                         Energy energy);
 
 /// Data by triangles. The values of the nine B-splines there are quadratics on each of six pieces.
@@ -52,7 +52,7 @@ class SortedSites {
     }
 
     /// The sum of w row row^T.
-    [[nodiscard]] BlockMatrix normal_matrix(const mesh::VertexStars& graph) const;
+    [[nodiscard]] NormalMatrix normal_matrix(const mesh::VertexStars& graph) const;
     /// out = sum of factors[point] row for each of `count` factors a point.
     void adjoint(std::span<const double> factors, std::size_t count,
                  std::span<std::vector<Column3>> out) const;

@@ -35,23 +35,24 @@ class Axis {
     double operator[](std::int64_t k) const { return at_[k]; }
     [[nodiscard]] const double* data() const { return at_.data(); }
 
-    /// The first coordinate that is not below a number, from an estimate that is at most two too
-    /// small.
+    /// The first coordinate that is not below a number.
     [[nodiscard]] std::int64_t first_not_below(double number) const {
-        std::int64_t k = estimate(number);
-        for (int step = 0; step < 3; ++step) k += at_[k] < number ? 1 : 0;
-        return k;
+        const std::int64_t k = estimate(number);
+        return k + (at_[k] < number ? 1 : 0) + (at_[k + 1] < number ? 1 : 0) +
+               (at_[k + 2] < number ? 1 : 0);
     }
     /// Which coordinates lie in [low, high].
     [[nodiscard]] Range inside(double low, double high) const {
-        std::int64_t end = estimate(high);
-        for (int step = 0; step < 3; ++step) end += at_[end] <= high ? 1 : 0;
+        const std::int64_t k = estimate(high);
+        const std::int64_t end = k + (at_[k] <= high ? 1 : 0) + (at_[k + 1] <= high ? 1 : 0) +
+                                 (at_[k + 2] <= high ? 1 : 0);
         return {first_not_below(low), end - 1};
     }
 
   private:
     static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+    /// One or two less than the answer, or the answer: rounding moves it by less than one.
     [[nodiscard]] std::int64_t estimate(double number) const {
         const double place = (number - at_[0]) * inverse_ - 1;
         return static_cast<std::int64_t>(std::clamp(place, 0.0, static_cast<double>(count_)));
@@ -67,8 +68,9 @@ class Axis {
 class Cutter {
   public:
     explicit Cutter(TriangleCorners v) : v_(v) {
-        std::sort(v_.begin(), v_.end(),
-                  [](Vec2 a, Vec2 b) { return a.y < b.y || (a.y == b.y && a.x < b.x); });
+        order(v_[0], v_[1]);
+        order(v_[1], v_[2]);
+        order(v_[0], v_[1]);
         const auto slope = [](Vec2 a, Vec2 b) { return (b.x - a.x) / (b.y - a.y); };
         slope_ = {slope(v_[0], v_[1]), slope(v_[1], v_[2]), slope(v_[0], v_[2])};
         tolerance_ = tolerance(v_);
@@ -83,12 +85,15 @@ class Cutter {
     [[nodiscard]] std::array<double, 2> cut(double y) const {
         y = std::clamp(y, v_[0].y, v_[2].y);
         const double a = crossing(v_[0], v_[2], slope_[2], y);
-        const double b = y <= v_[1].y ? crossing(v_[0], v_[1], slope_[0], y)
-                                      : crossing(v_[1], v_[2], slope_[1], y);
+        const int upper = y > v_[1].y ? 1 : 0;
+        const double b = crossing(v_[upper], v_[upper + 1], slope_[upper], y);
         return {std::min(a, b) - tolerance_, std::max(a, b) + tolerance_};
     }
 
   private:
+    static void order(Vec2& a, Vec2& b) {
+        if (b.y < a.y || (b.y == a.y && b.x < a.x)) std::swap(a, b);
+    }
     static double crossing(Vec2 from, Vec2 to, double slope, double y) {
         return y == to.y ? to.x : from.x + (y - from.y) * slope;
     }
@@ -207,12 +212,13 @@ class Painter {
         const Range rows{std::max(rows_[t].first, band.first), std::min(rows_[t].last, band.last)};
         const Cutter cutter(surface_.space().mesh.corners(t));
         const double* numbers = surface_.numbers(t);
+        const block::PieceFinder finder(numbers);
         std::optional<PieceCutter> pieces;
         for (std::int64_t row = rows.first; row <= rows.last; ++row) {
             const auto [left, right] = cutter.cut(y_[row]);
             const Range cols = x_.inside(left, right);
             if (cols.last - cols.first < kFewSamples) {
-                paint_samples(numbers, row, cols);
+                paint_samples(numbers, finder, row, cols);
                 continue;
             }
             if (!pieces) pieces.emplace(numbers);
@@ -220,13 +226,17 @@ class Painter {
         }
     }
 
-    void paint_samples(const double* numbers, std::int64_t row, Range cols) const {
+    void paint_samples(const double* numbers, const block::PieceFinder& finder, std::int64_t row,
+                       Range cols) const {
         const Vec2 centre = block::centre(numbers);
+        const double dy = y_[row] - centre.y;
+        const double* x = x_.data();
         double* samples = out_.row(ascending(row));
         for (std::int64_t col = cols.first; col <= cols.last; ++col) {
-            const Vec2 d = Vec2{x_[col], y_[row]} - centre;
-            const int piece = block::piece_of(numbers, d);
-            samples[col] = quadratic_jet(block::centre_jet(numbers, piece, component_), d).value;
+            const Vec2 d{x[col] - centre.x, dy};
+            const spline::PlaneJet start =
+                block::centre_jet(numbers, finder.piece_of(d), component_);
+            samples[col] = quadratic_jet(start, d).value;
         }
     }
 

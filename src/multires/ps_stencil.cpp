@@ -112,12 +112,13 @@ void UpdateStencil::build_moments() {
 
     // Y = W^-1 M^T, W the Gram matrix, or the functions' integrals for Moments.
     correction_ = moment_;
-    std::vector<double> column(moment_.size());
-    for (int m = 0; m < 3; ++m) {
-        for (std::size_t k = 0; k < column.size(); ++k)
-            column[k] = system_ ? moment_[k][m] : moment_[k][m] / moment_[k][0];
-        if (system_) system_->solve(column.data());
-        for (std::size_t k = 0; k < column.size(); ++k) correction_[k][m] = column[k];
+    if (system_) {
+        system_->solve<3>(correction_[0].data());
+    } else {
+        for (std::array<double, 3>& row : correction_) {
+            const double mass = row[0];
+            for (double& number : row) number /= mass;
+        }
     }
     std::vector<double> square(9);  // M Y
     for (int m = 0; m < 3; ++m)

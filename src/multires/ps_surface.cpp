@@ -21,9 +21,8 @@ constexpr std::size_t kLine = 8;
 constexpr double kParallel = 1e-14;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-std::size_t stride_of(int components) {
-    const auto used =
-        static_cast<std::size_t>(block::kGeometry + block::kPerComponent * components);
+std::size_t stride_of(std::size_t components) {
+    const std::size_t used = block::kGeometry + block::kPerComponent * components;
     return (used + kLine - 1) / kLine * kLine;
 }
 
@@ -32,7 +31,7 @@ std::size_t stride_of(int components) {
 Surface::Surface(const Space& space, int components)
     : space_(&space),
       components_(components),
-      stride_(stride_of(components)),
+      stride_(stride_of(static_cast<std::size_t>(components))),
       blocks_(space.mesh.triangles.size() * stride_) {}
 
 Result<Surface> Surface::create(const Space& space, std::span<const Coefficients> components) {
@@ -67,13 +66,14 @@ Result<Surface> Surface::create(const Space& space, std::span<const Coefficients
 PlaneJet Surface::jet(Index triangle, Vec2 point, int component) const {
     const double* known = numbers(triangle);
     const Vec2 d = point - block::centre(known);
-    return quadratic_jet(block::centre_jet(known, block::piece_of(known, d), component), d);
+    return quadratic_jet(block::centre_jet(known, block::PieceFinder(known).piece_of(d), component),
+                         d);
 }
 
 void Surface::jets(Index triangle, Vec2 point, PlaneJet* out) const {
     const double* known = numbers(triangle);
     const Vec2 d = point - block::centre(known);
-    const int piece = block::piece_of(known, d);
+    const int piece = block::PieceFinder(known).piece_of(d);
     for (int m = 0; m < components_; ++m)
         out[m] = quadratic_jet(block::centre_jet(known, piece, m), d);
 }

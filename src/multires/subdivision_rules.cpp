@@ -56,6 +56,20 @@ SmoothRule catmull_clark_smooth(mesh::Index n) {
     return {(static_cast<double>(n) - 3) / n, 4 / square, -1 / square};
 }
 
+RingRule sqrt3_ring(mesh::Index n, double alpha) {
+    return {1 - alpha, alpha / n};
+}
+
+RingRule loop_ring(mesh::Index n) {
+    const double alpha = loop_alpha(n);
+    return {1 - n * alpha, alpha};
+}
+
+RingRule catmull_clark_ring(mesh::Index n) {
+    const double square = static_cast<double>(n) * n;
+    return {(static_cast<double>(n) - 2) / n, 1 / square};
+}
+
 /// The sum over all edges of (weight of a neighbour in the new vertex of the edge) x is 1 for every
 /// neighbour; the wings of the sharp edge have none, so that the other edges make a tridiagonal
 /// system.

@@ -9,10 +9,12 @@ import numpy as np
 from harness import DATA, Case, contents_of, main
 
 ENCODE_KEYS = ("scheme order levels samples coefficients kept bytes bits_per_sample max_error rms_error "
-               "energy_percent bound faces base_vertices base_faces lost_creases seconds").split()
+               "energy_percent bound faces base_vertices base_faces lost_creases distance seconds").split()
 
 CUBE = ([(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)],
         [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)])
+GRID = ([(x, y, 0) for y in range(3) for x in range(3)],
+        [(v, v + 1, v + 4, v + 3) for v in (0, 1, 3, 4)])
 OCTAHEDRON = ([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)],
               [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)])
 
@@ -70,6 +72,35 @@ class Subdivide(Meshes):
         vertices, _ = read_obj(self.subdivided(CUBE, "catmull-clark", 3, tail=tail))
         ring = vertices[np.isclose(vertices[:, 2], -1)]
         self.assertGreater(len(ring), 30)  # the crease and what is between stay in the plane
+
+    def test_texture_places_keep_their_seams(self):
+        path = self.path("uv.obj")
+        with open(path, "w", encoding="ascii") as file:  # a square for each face: seams everywhere
+            file.writelines("v {} {} {}\n".format(*v) for v in CUBE[0])
+            file.writelines(f"vt {k + u} {v}\n" for k in range(6) for u, v in ((0, 0), (1, 0), (1, 1), (0, 1)))
+            for k, face in enumerate(CUBE[1]):
+                file.write(f"usemtl m{k}\nf " + " ".join(f"{v + 1}/{4 * k + c + 1}" for c, v in enumerate(face)) + "\n")
+        fine = self.path("fine_uv.obj")
+        report = self.json("subdivide", path, fine, "--scheme", "catmull-clark", "--levels", 2)
+        self.assertEqual(report["left_out"], [])
+        lines = contents_of(fine).decode().splitlines()
+        places = np.array([list(map(float, l.split()[1:3])) for l in lines if l.startswith("vt ")])
+        self.assertEqual(len(places), 6 * 25)  # none is shared by two faces of the cube
+        self.assertEqual(sorted({*(places % 0.25).ravel()}), [0])
+        material, faces = None, 0
+        for words in map(str.split, lines):
+            if words[:1] == ["usemtl"]:
+                material = int(words[1][1:])
+            elif words[:1] == ["f"]:
+                u = [places[int(w.split("/")[1]) - 1][0] for w in words[1:]]
+                self.assertTrue(material <= min(u) and max(u) <= material + 1)
+                faces += 1
+        self.assertEqual(faces, 96)
+        source = self.path("coarse.relief")  # and back to a coarser level
+        self.json("encode", fine, source, "--max-error", 0.001)
+        self.json("decode", source, path, "--level", 1)
+        places = {tuple(map(float, l.split()[1:3])) for l in contents_of(path).decode().splitlines() if l.startswith("vt ")}
+        self.assertEqual(places, {(k + u / 2, v / 2) for k in range(6) for u in range(3) for v in range(3)})
 
     def test_bad_requests(self):
         self.refuse(1, "subdivide", self.mesh(CUBE), self.path("x.obj"), "--scheme", "loop",
@@ -165,6 +196,21 @@ class RoundTrips(Meshes):
         _, report = self.encoded(broken, "--repair", "--max-error", 1e-6)
         self.assertEqual((report["samples"], report["levels"]), (len(vertices), 2))
 
+    def test_distances_of_surfaces(self):
+        source = self.subdivided(OCTAHEDRON, "loop", 4, noise=0.002)
+        _, plain = self.encoded(source, "--rms-error", 0.001)
+        for goal, key in (("--max-error", "max_error"), ("--rms-error", "rms_error")):
+            file, report = self.encoded(source, goal, 0.001, "--surface")
+            self.assertEqual(report["distance"], "surface")
+            self.assertLessEqual(report[key], 0.001)
+            compared = self.json("compare", source, file, "--surface")
+            for number in ("max_error", "rms_error"):  # the same points are measured
+                self.assertAlmostEqual(compared[number], report[number], delta=1e-15)
+                self.assertAlmostEqual(self.json("info", file)[number] / report[number], 1, delta=1e-3)
+            self.assertEqual(self.json("info", file)["distance"], "surface")
+        self.assertLess(report["bytes"], 0.9 * plain["bytes"])
+        self.refuse(2, "encode", self.mesh(GRID), self.path("x.relief"), "--surface", says="--surface")
+
     def test_reorder(self):
         vertices, faces = read_obj(self.subdivided(OCTAHEDRON, "loop", 4, noise=0.001))
         number = np.random.default_rng(2).permutation(len(vertices))
@@ -175,8 +221,39 @@ class RoundTrips(Meshes):
         _, free = self.encoded(source, "--max-error", 0.001, "--reorder")
         self.assertLess(2 * free["bytes"], kept["bytes"])
 
+    def test_orders_by_rule_cost_little(self):
+        vertices, faces = read_obj(self.subdivided(OCTAHEDRON, "loop", 4, noise=0.001))
+        number = {}  # as faces name them first, and every face begins elsewhere
+        for face in faces:
+            for v in face[1:] + face[:1]:
+                number.setdefault(v, len(number))
+        turned = [[number[v] for v in face[1:] + face[:1]] for face in faces]
+        source = self.mesh((vertices[sorted(number, key=number.get)].tolist(), turned), "n.obj")
+        file, kept = self.encoded(source, "--max-error", 0.001)
+        self.assertFalse(self.json("compare", source, file)["faces_differ"])
+        _, free = self.encoded(source, "--max-error", 0.001, "--reorder")
+        self.assertLess(kept["bytes"] - free["bytes"], 100)
+
 
 class Files(Meshes):
+    def test_lifts_and_alpha(self):
+        source = self.subdivided(OCTAHEDRON, "sqrt3", 4, noise=0.01)
+        sizes = {}
+        for options in ([], ["--lift", "none"], ["--lift", "ring"], ["--lift", "chebyshev"],
+                        ["--lift", "least-squares"], ["--scheme", "sqrt3", "--alpha", 0.125]):
+            file, report = self.encoded(source, "--max-error", 0.005, *options)
+            back = self.path("back.obj")
+            self.json("decode", file, back)
+            self.assertLessEqual(self.json("compare", source, back)["max_error"], 0.005)
+            sizes[" ".join(map(str, options))] = report["bytes"]
+        self.assertEqual(sizes[""], sizes["--lift chebyshev"])
+        self.assertLess(sizes[""], sizes["--lift none"])
+        self.assertLess(sizes[""], 1.05 * sizes["--lift least-squares"])
+        out = self.path("x.relief")
+        self.refuse(2, "encode", source, out, "--lift", "most", says="--lift")
+        self.refuse(2, "encode", source, out, "--alpha", 0.1, says="--scheme sqrt3")
+        self.refuse(2, "encode", source, out, "--scheme", "sqrt3", "--alpha", 0.7, says="invalid_parameter")
+
     def test_glb_of_a_level(self):
         file, _ = self.encoded(self.subdivided(CUBE, "catmull-clark", 3), "--max-error", 0.001)
         out = self.path("cube.glb")

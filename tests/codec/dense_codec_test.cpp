@@ -155,7 +155,7 @@ Integers hills(std::int64_t rows, std::int64_t cols, double height, double rough
 }
 
 TEST(DenseCodec, RoundTripsWithinTheBound) {
-    rc::check([] {
+    EXPECT_TRUE(rc::check([] {
         const auto rows = *rc::gen::inRange<std::int64_t>(1, 40);
         const auto cols = *rc::gen::inRange<std::int64_t>(1, 40);
         const auto levels = *rc::gen::inRange(1, 6);
@@ -174,7 +174,7 @@ TEST(DenseCodec, RoundTripsWithinTheBound) {
         RC_ASSERT(decoded.ok());
         RC_ASSERT(same(decoded->values, coded.finest.values));
         RC_ASSERT(same(decoded->quotients, coded.finest.quotients));
-    });
+    }));
 }
 
 TEST(DenseCodec, KeepsQuotientsOfAnySize) {

@@ -177,7 +177,7 @@ std::int32_t draw_value(int family, std::mt19937& engine) {
 }
 
 TEST(EmbeddedCoder, EveryCutOfAnyBandsDecodes) {
-    rc::check([] {
+    EXPECT_TRUE(rc::check([] {
         std::mt19937 engine(*rc::gen::arbitrary<std::uint32_t>());
         const LatticeBox box{*rc::gen::inRange(-70, 70), *rc::gen::inRange(-70, 70),
                              *rc::gen::inRange(0, 14), *rc::gen::inRange(0, 100)};
@@ -199,7 +199,7 @@ TEST(EmbeddedCoder, EveryCutOfAnyBandsDecodes) {
         const auto profile = *rc::gen::element(StreamProfile::Dense, StreamProfile::Fast);
         expect_every_cut_decodes(bands, parents.parents(), profile);
         RC_ASSERT(!::testing::Test::HasFatalFailure());
-    });
+    }));
 }
 
 TEST(EmbeddedCoder, EveryCutOfStructuredBandsDecodes) {

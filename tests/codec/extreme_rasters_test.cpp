@@ -281,7 +281,7 @@ double sample_of(SampleType type, std::mt19937& engine, int spread) {
 }
 
 TEST(ExtremeRasters, AnyTypeBoundAndMask) {
-    rc::check([] {
+    EXPECT_TRUE(rc::check([] {
         const auto rows = *rc::gen::inRange<std::int64_t>(1, 30);
         const auto cols = *rc::gen::inRange<std::int64_t>(1, 30);
         const auto type = *rc::gen::elementOf(kTypes);
@@ -302,7 +302,7 @@ TEST(ExtremeRasters, AnyTypeBoundAndMask) {
         const auto decoded = RasterFile::open(encoded->bytes)->decode(0);
         RC_ASSERT(decoded.ok());
         RC_ASSERT(error_of(*decoded, raster, bound == 0) <= bound);
-    });
+    }));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "../fuzz/ps.h"
+#include "codec/ps_chains.h"
 #include "codec/ps_places.h"
 
 namespace relief::codec {
@@ -43,6 +44,32 @@ TEST(PlaceSet, GivesBackEveryPlace) {
             ASSERT_TRUE(decoded.ok());
             EXPECT_EQ(*decoded, places);
         }
+}
+
+TEST(PlaceChains, LinesAreFoundAndCostLittle) {
+    std::mt19937 engine(6);
+    std::vector<GridPlace> places;
+    for (int line = 0; line < 40; ++line)
+        for (int k = 0; k < 100; ++k)
+            places.push_back({50 * k + static_cast<int>(engine() % 3),
+                              line * 3000 + 10 * k + static_cast<int>(engine() % 3)});
+    for (int k = 0; k < 300; ++k)
+        places.push_back({static_cast<int>(engine() % 5000), static_cast<int>(engine() % 120000)});
+    std::shuffle(places.begin(), places.end(), engine);
+    const PlaceChains chains = find_chains(places);
+    EXPECT_GT(chains.chained.size(), 3800U);
+    EXPECT_EQ(chains.begins.size(), chains.chained.size());
+    const auto lines = read_chains(write_chains(chains), chains.chained.size());
+    ASSERT_TRUE(lines.ok());
+    EXPECT_EQ(*lines, chains.chained);
+    const Bytes bytes = write_places(places);
+    auto decoded = *read_places(bytes, places.size());
+    sort_places(places);
+    sort_places(decoded);
+    EXPECT_EQ(decoded, places);
+    // Second differences of independent thirds have 2 x 3 bits; 300 places have 29 each.
+    EXPECT_LT(bytes.size(), (4000 * 7 + 300 * 32) / 8);
+    EXPECT_LT(2 * bytes.size(), write_place_set(places).size());
 }
 
 TEST(HostilePs, Files) {

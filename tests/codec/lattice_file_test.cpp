@@ -104,7 +104,7 @@ double largest_error(const Raster& raster, const LatticeWindow& window, const La
 }
 
 TEST(LatticeFile, KeepsTheBoundAtEveryLevelAndSize) {
-    rc::check([] {
+    EXPECT_TRUE(rc::check([] {
         const auto rows = *rc::gen::inRange<std::int64_t>(1, 90);
         const auto cols = *rc::gen::inRange<std::int64_t>(1, 90);
         const auto type = *rc::gen::element(SampleType::Int16, SampleType::Float32,
@@ -124,7 +124,7 @@ TEST(LatticeFile, KeepsTheBoundAtEveryLevelAndSize) {
             RC_ASSERT(window->known_level <= level);
             RC_ASSERT(largest_error(raster, *window, box, std::int64_t{1} << level) <= bound);
         }
-    });
+    }));
 }
 
 /// Several tiers: 1100 samples are two tiles of tier 0.

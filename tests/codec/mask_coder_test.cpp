@@ -30,7 +30,7 @@ Mask island(std::int64_t rows, std::int64_t cols) {
 }
 
 TEST(MaskCoder, RoundTripsAnyImage) {
-    rc::check([] {
+    EXPECT_TRUE(rc::check([] {
         std::mt19937 engine(*rc::gen::arbitrary<std::uint32_t>());
         const std::uint32_t density = *rc::gen::inRange(0U, 11U);
         Mask mask(*rc::gen::inRange(0, 60), *rc::gen::inRange(0, 60));
@@ -39,7 +39,7 @@ TEST(MaskCoder, RoundTripsAnyImage) {
                 mask(r, c) =
                     engine() % 10 < density ? static_cast<std::uint8_t>(1 + engine() % 255) : 0;
         expect_round_trip(mask);
-    });
+    }));
 }
 
 TEST(MaskCoder, UniformImagesCostAFewBytes) {

@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <map>
 
 #include "../fuzz/meshes.h"
 #include "relief/codec/mesh_codec.h"
+#include "relief/mesh/closest.h"
 #include "relief/multires/subdivide.h"
 #include "shapes.h"
 #include "support.h"
@@ -160,6 +162,40 @@ TEST(MeshFile, RmsAndByteGoals) {
     EXPECT_NE(none.error().text().find("no file is that small"), std::string::npos);
 }
 
+/// What is promised of surfaces is what mesh::surface_distance measures, and takes less.
+TEST(MeshFile, DistancesOfSurfaces) {
+    for (const Case& c : cases(0.01)) {
+        if (c.name != "loop" && c.name != "quads") continue;
+        for (const bool mixed : {c.name == "loop"}) {
+            const PolygonMesh mesh = mixed ? shuffled(c.mesh, 3) : c.mesh;
+            for (const Goal& goal : {Goal{Kind::RmsError, 1e-3}, Goal{Kind::MaxError, 3e-3}}) {
+                MeshEncodeOptions options{.goal = goal, .distance = MeshDistance::Surface};
+                const auto encoded = encode_mesh(mesh, options);
+                ASSERT_TRUE(encoded.ok()) << c.name << " " << encoded.error().text();
+                const MeshFile file = *MeshFile::open(encoded->bytes);
+                EXPECT_EQ(file.distance(), MeshDistance::Surface);
+                const auto distance = *mesh::surface_distance(mesh, *file.decode(0));
+                EXPECT_EQ(distance.largest(), encoded->report.max_error) << c.name;
+                EXPECT_EQ(distance.rms(), encoded->report.rms_error) << c.name;
+                // Headers have four digits.
+                EXPECT_NEAR(distance.rms(), file.rms_error(), 1e-3 * distance.rms()) << c.name;
+                EXPECT_LE(distance.largest(), file.max_error()) << c.name;
+                const bool rms = goal.kind == Kind::RmsError;
+                EXPECT_LE(rms ? distance.rms() : distance.largest(), goal.value) << c.name;
+                options.distance = MeshDistance::Vertices;
+                if (rms) {
+                    EXPECT_LT(encoded->bytes.size(), encode_mesh(mesh, options)->bytes.size());
+                }
+            }
+        }
+    }
+    PolygonMesh large = cases(0)[0].mesh;
+    for (auto& v : large.vertices) v[0] *= 1e80;
+    const auto refused = encode_mesh(large, {.distance = MeshDistance::Surface});
+    ASSERT_FALSE(refused.ok());
+    EXPECT_NE(refused.error().text().find("at most 1e75"), std::string::npos);
+}
+
 /// A pure subdivision surface takes hardly more than its base.
 TEST(MeshFile, PureSurfacesAreSmall) {
     const PolygonMesh mesh =
@@ -194,6 +230,37 @@ TEST(MeshFile, LevelsAndPrefixes) {
             }
         }
         EXPECT_FALSE(file.decode(file.levels() + 1).ok());
+    }
+}
+
+/// Vertices and corners of coarser levels have what those of the finest one have at the same
+/// vertex, which its random normal tells.
+void expect_coarse_attributes(const MeshFile& file, const PolygonMesh& finest) {
+    for (int level = 1; level <= file.levels(); ++level) {
+        const PolygonMesh coarse = *file.decode(level);
+        ASSERT_EQ(coarse.attributes.size(), finest.attributes.size());
+        const MeshAttribute& normal = *coarse.attribute("normal");
+        const MeshAttribute& fine_normal = *finest.attribute("normal");
+        const MeshAttribute& uv = *coarse.attribute("uv");
+        const MeshAttribute& fine_uv = *finest.attribute("uv");
+        std::map<double, std::size_t> vertex_of;  // random normals differ
+        for (std::size_t v = 0; v < finest.vertices.size(); ++v)
+            vertex_of[fine_normal.values[3 * v]] = v;
+        for (std::size_t c = 0; c < coarse.corners.size(); ++c) {
+            const auto v = static_cast<std::size_t>(coarse.corners[c]);
+            ASSERT_EQ(vertex_of.count(normal.values[3 * v]), 1U);
+            const std::size_t fine = vertex_of[normal.values[3 * v]];
+            EXPECT_EQ(normal.values[3 * v + 2], fine_normal.values[3 * fine + 2]);
+            if (uv.corners[c] < 0) continue;
+            bool found = false;  // an element of a corner at that vertex
+            for (std::size_t k = 0; k < finest.corners.size() && !found; ++k)
+                found = finest.corners[k] == static_cast<std::int32_t>(fine) &&
+                        fine_uv.corners[k] >= 0 &&
+                        *fine_uv.element(fine_uv.corners[k]) == *uv.element(uv.corners[c]);
+            EXPECT_TRUE(found) << level << " " << c;
+        }
+        ASSERT_EQ(coarse.labels.size(), 1U);
+        EXPECT_EQ(coarse.labels[0].names, finest.labels[0].names);
     }
 }
 
@@ -234,6 +301,7 @@ TEST(MeshFile, AttributesLabelsAndCreasesStay) {
                 EXPECT_EQ(decoded.attributes[0].values.size(), colour.values.size());
                 continue;
             }
+            expect_coarse_attributes(*MeshFile::open(encoded->bytes), decoded);
             EXPECT_EQ(decoded.attributes, mesh.attributes);
             EXPECT_EQ(decoded.labels, mesh.labels);
             EXPECT_EQ(decoded.creases, mesh.creases);
@@ -313,13 +381,21 @@ TEST(MeshFile, MovesTurnDetails) {
     }
 }
 
-/// A hundred changes of level leave the bytes as they are.
-TEST(MeshFile, EncodingAgainChangesNothing) {
-    const Case c = cases(0.01)[0];
-    const auto first = *encode_mesh(c.mesh, {});
-    PolygonMesh mesh = *MeshFile::open(first.bytes)->decode(0);
-    const auto again = *encode_mesh(mesh, {});
-    EXPECT_EQ(first.bytes, again.bytes);
+/// A hundred changes of level leave the bytes as they are: coarser levels are but read, and the
+/// finest one gives the same file again.
+TEST(MeshFile, LevelChangesLeaveTheBytes) {
+    const auto all = cases(0.01);
+    for (const Case& c : {all[1], all[3], all[6]}) {
+        const Bytes first = encode_mesh(c.mesh, {})->bytes;
+        Bytes bytes = first;
+        for (int change = 0; change < 100; ++change) {
+            const MeshFile file = *MeshFile::open(bytes);
+            const int level = change % (file.levels() + 1);
+            const PolygonMesh mesh = *file.decode(level);
+            if (level == 0) bytes = encode_mesh(mesh, {})->bytes;
+        }
+        EXPECT_EQ(bytes, first) << c.name;
+    }
 }
 
 TEST(MeshFile, Refusals) {

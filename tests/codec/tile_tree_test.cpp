@@ -11,7 +11,7 @@ namespace relief::codec {
 namespace {
 
 TEST(TileTree, TilesCoverEverySampleOfATierOnce) {
-    rc::check([] {
+    EXPECT_TRUE(rc::check([] {
         const auto rows = *rc::gen::inRange<std::int64_t>(1, 5000);
         const auto cols = *rc::gen::inRange<std::int64_t>(1, 5000);
         const TileTree tree(rows, cols);
@@ -35,7 +35,7 @@ TEST(TileTree, TilesCoverEverySampleOfATierOnce) {
         }
         RC_ASSERT(tree.tier(tree.tiers() - 1).tiles() == 1);
         RC_ASSERT(level_size(std::max(rows, cols), tree.levels()) <= 2);
-    });
+    }));
 }
 
 TEST(TileTree, NeighboursOnTheCurveAreNeighbours) {

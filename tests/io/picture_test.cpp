@@ -49,7 +49,7 @@ double lightness(const Rgb& rgb) {
 }
 
 TEST(Illumination, APlaneHasItsClosedFormEverywhere) {
-    rc::check([] {
+    EXPECT_TRUE(rc::check([] {
         const auto part = [](int low, int high) { return *rc::gen::inRange(low, high); };
         const CellSize cell{part(1, 100) / 4.0, part(1, 100) / 4.0};
         const double east = part(-30, 30) / 10.0;
@@ -68,7 +68,7 @@ TEST(Illumination, APlaneHasItsClosedFormEverywhere) {
         for (std::int64_t r = 0; r < z.rows(); ++r)
             for (std::int64_t c = 0; c < z.cols(); ++c)
                 RC_ASSERT(std::abs(shade(r, c) - expected) < 1e-10);
-    });
+    }));
 }
 
 TEST(Illumination, HolesDoNotDisturbTheirNeighbours) {
@@ -246,7 +246,7 @@ TEST(Pictures, ACaptionStandsBelow) {
 }
 
 TEST(Resize, KeepsFlatColoursAndMeanLight) {
-    rc::check([](std::uint8_t r, std::uint8_t g, std::uint8_t b) {
+    EXPECT_TRUE(rc::check([](std::uint8_t r, std::uint8_t g, std::uint8_t b) {
         Image image(9, 7, 3);
         for (int k = 0; k < 63; ++k)
             image.pixels[3 * k] = r, image.pixels[3 * k + 1] = g, image.pixels[3 * k + 2] = b;
@@ -255,7 +255,7 @@ TEST(Resize, KeepsFlatColoursAndMeanLight) {
             for (int y = 0; y < height; ++y)
                 for (int x = 0; x < width; ++x) RC_ASSERT((at(out, y, x) == Rgb{r, g, b}));
         }
-    });
+    }));
     Image half(64, 64, 3);
     for (int y = 0; y < 64; ++y)
         for (int x = 0; x < 64; ++x)

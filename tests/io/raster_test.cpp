@@ -206,7 +206,8 @@ TEST_F(RasterTest, AHoleInOneBandIsAHoleInAll) {
 }
 
 TEST_F(RasterTest, ValidSamplesNeverReadAsNodata) {
-    rc::check([](std::uint8_t type_index, std::int16_t nodata, std::vector<std::int16_t> values) {
+    EXPECT_TRUE(rc::check([](std::uint8_t type_index, std::int16_t nodata,
+                             std::vector<std::int16_t> values) {
         const SampleType type = kTypes[type_index % 7];
         std::vector<double> row = {
             kNaN, double(nodata), nodata + 0.25, nodata - 0.25, nodata * (1 + 1e-7), 1e300, -1e300};
@@ -230,7 +231,7 @@ TEST_F(RasterTest, ValidSamplesNeverReadAsNodata) {
                 is_integer(type) ? (kept ? 1.5 : 0.5) : 9 * precision * std::abs(ideal) + 1e-37;
             RC_ASSERT(std::abs(back->planes[0](0, col) - ideal) <= slack);
         }
-    });
+    }));
 }
 
 TEST(StoredValue, RoundsClampsAndAvoidsNodata) {

@@ -233,6 +233,57 @@ TEST(Delaunay, VerticesStayAtTheirPoints) {
     }
 }
 
+TEST(Delaunay, ClosePointsAreMergedOnDemand) {
+    test::Noise noise(6);
+    std::vector<Vec2> points;
+    for (int k = 0; k < 300; ++k) points.push_back({10 * noise(), 10 * noise()});
+    // Chains of three, each 0.009 from the next, the last of which are 0.018 apart.
+    for (int k = 0; k < 50; ++k)
+        for (const double s : {0.018, 0.009}) points.push_back({points[k].x + s, points[k].y});
+    const Delaunay apart = triangulated(points);
+    EXPECT_EQ(apart.mesh.vertex_count(), 400u);
+    const auto result = delaunay(points, {.peel = 0, .merge_distance = 0.01});
+    ASSERT_TRUE(result.ok());
+    const Triangulation& mesh = result->mesh;
+    for (Index e = 0; e < mesh.edge_count(); ++e) EXPECT_GE(length(mesh.edge_vector(e)), 0.01);
+    std::set<Index> used;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        const Index v = result->vertex_of_point[k];
+        used.insert(v);
+        const bool late = k >= 300;
+        EXPECT_EQ(v, result->vertex_of_point[late ? (k - 300) / 2 : k]);
+        EXPECT_NEAR(length(mesh.vertex(v) - (points[k] - mesh.origin)),
+                    !late        ? 0
+                    : k % 2 == 0 ? 0.018
+                                 : 0.009,
+                    1e-12);
+    }
+    EXPECT_EQ(used.size(), mesh.vertex_count());
+    EXPECT_EQ(used.size(), 300u);
+    const auto none = delaunay(points, {.merge_distance = 100});
+    ASSERT_FALSE(none.ok());
+    EXPECT_EQ(none.error().message.substr(0, 14), "too_few_points");
+}
+
+TEST(Delaunay, TheOrderOfPointsDoesNotMatter) {
+    test::Noise noise(8);
+    std::vector<Vec2> points;
+    for (int k = 0; k < 500; ++k) points.push_back({noise(), noise()});
+    for (int k = 0; k < 100; ++k) points.push_back({0.1 * (k % 10), 0.1 * (k / 10 % 10)});
+    const Delaunay expected = triangulated(points);
+    std::vector<std::size_t> order(points.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::shuffle(order.begin(), order.end(), std::mt19937(2));
+    std::vector<Vec2> shuffled;
+    for (const std::size_t k : order) shuffled.push_back(points[k]);
+    const Delaunay result = triangulated(shuffled);
+    EXPECT_EQ(result.mesh.x, expected.mesh.x);
+    EXPECT_EQ(result.mesh.y, expected.mesh.y);
+    EXPECT_EQ(result.mesh.triangles, expected.mesh.triangles);
+    for (std::size_t k = 0; k < order.size(); ++k)
+        EXPECT_EQ(result.vertex_of_point[k], expected.vertex_of_point[order[k]]);
+}
+
 TEST(Delaunay, NumberingFollowsTheCurve) {
     const Triangulation mesh = triangulated(points_of(lattice(32, 32))).mesh;
     // On 2^k squared places that are centred in the quadrants of the curve every step is of
@@ -289,6 +340,37 @@ TEST(Delaunay, SliversAtTheHullArePeeled) {
         // Columns 1 .. 6 of the lower row rise by up to 0.012, so 45 degrees become 44.6 or more.
         EXPECT_GT(smallest(0.01), 44);
     }
+}
+
+/// Boundary points that are off their line by anything, down to less than the lattice tells apart.
+TEST(Delaunay, NoisyLatticesAreValid) {
+    test::Noise noise(12);
+    for (double amplitude = 1e-3; amplitude > 1e-18; amplitude /= 10)
+        for (const int side : {5, 9, 16}) {
+            std::vector<Vec2> points;
+            for (int r = 0; r < side; ++r)
+                for (int c = 0; c < side; ++c) {
+                    const bool inside = r > 0 && r + 1 < side && c > 0 && c + 1 < side;
+                    const double off = inside ? 0 : amplitude;
+                    points.push_back({0.1 * c + off * noise(), 0.1 * r + off * noise()});
+                }
+            const Triangulation mesh = triangulated(points, 0.01).mesh;
+            std::vector<Vec2> vertices;
+            for (Index v = 0; v < mesh.vertex_count(); ++v) vertices.push_back(mesh.vertex(v));
+            EXPECT_EQ(vertices.size(), points.size());
+            EXPECT_TRUE(
+                build(vertices, mesh.triangles, {.strict_orientation = true, .check_overlap = true})
+                    .ok());
+            double area = 0;
+            for (Index t = 0; t < mesh.triangle_count(); ++t) {
+                const auto [a, b, c] = mesh.corners(t);
+                area += orient(a, b, c) / 2;
+                EXPECT_GT(smallest_angle(mesh.corners(t)), 1) << amplitude;
+            }
+            // The square, but for noise at its sides.
+            const double whole = 0.01 * (side - 1) * (side - 1);
+            EXPECT_NEAR(area, whole, 4 * 0.1 * side * amplitude + 1e-9);
+        }
 }
 
 TEST(Delaunay, PeelingTakesNothingElse) {

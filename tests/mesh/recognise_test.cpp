@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
 #include <set>
 
+#include "mesh/seed_spread.h"
 #include "shapes.h"
 #include "support.h"
 
@@ -188,6 +190,199 @@ TEST(Recognition, SpoiledMeshesAreRefused) {
     const Topology triangles = test::octahedron().topology();
     EXPECT_NE(Recognition(triangles, Split::CatmullClark).error().message.find("not_quads"),
               std::string::npos);
+}
+
+std::vector<Shape> triangle_shapes() {
+    return {test::tetrahedron(),
+            test::flipped(test::icosahedron(), 50, 4),
+            test::triangulated(test::double_torus()),
+            test::grid(6, 6, true, true),
+            test::both(test::octahedron(), test::tetrahedron()),
+            test::grid(3, 2, true),
+            test::without_faces(test::grid(5, 5, true, true), {7, 8, 30})};
+}
+
+std::vector<Shape> polygon_shapes() {
+    return {test::cube(), test::double_torus(), test::grid(3, 4, false),
+            test::both(test::tetrahedron(), test::grid(2, 2, false)),
+            test::grid(4, 6, false, true)};
+}
+
+bool same_faces(const Topology& a, const Topology& b) {
+    return faces_of(a) == faces_of(b);
+}
+
+/// Three levels are read off one after another, and no more.
+void expect_in_order(const Shape& shape, Split split) {
+    std::vector<Topology> levels;
+    levels.push_back(test::shuffled(shape, 3).topology());
+    for (int k = 0; k < 3; ++k) levels.push_back(*refine(levels.back(), split));
+    Topology mesh = *build(faces_of(levels.back()), levels.back().vertex_count);
+    for (std::size_t k = 3; k > 0; --k) {
+        auto coarse = unsplit_in_order(mesh, split);
+        ASSERT_TRUE(coarse) << k;
+        EXPECT_TRUE(is_built(*coarse));
+        EXPECT_EQ(coarse->vertex_count, levels[k - 1].vertex_count);
+        // sqrt(3) does not tell where faces begin whose edges others have named.
+        if (split != Split::Sqrt3Odd || k > 1) {
+            EXPECT_TRUE(same_faces(*coarse, levels[k - 1])) << k;
+        }
+        EXPECT_TRUE(same_faces(*refine(*coarse, split), levels[k]));
+        EXPECT_TRUE(std::equal(coarse->edge.data(), coarse->edge.data() + coarse->edge.size(),
+                               build(faces_of(*coarse), coarse->vertex_count)->edge.data()));
+        mesh = *std::move(coarse);
+    }
+}
+
+TEST(UnsplitInOrder, LevelsComeBack) {
+    for (const Shape& shape : triangle_shapes()) {
+        expect_in_order(shape, Split::Loop);
+        const bool closed = counts_of(shape.topology()).boundary_edges == 0;
+        if (closed) expect_in_order(shape, Split::Sqrt3Odd);
+    }
+    for (const Shape& shape : polygon_shapes()) expect_in_order(shape, Split::CatmullClark);
+}
+
+TEST(UnsplitInOrder, OpenSqrt3) {
+    const Topology base = test::grid(3, 2, true).topology();
+    const Topology odd = *refine(base, Split::Sqrt3Odd);
+    const auto coarse = unsplit_in_order(odd, Split::Sqrt3Odd);
+    ASSERT_TRUE(coarse);
+    EXPECT_TRUE(same_faces(*refine(*coarse, Split::Sqrt3Odd), odd));
+    EXPECT_FALSE(unsplit_in_order(*refine(odd, Split::Sqrt3Even), Split::Sqrt3Even));
+}
+
+/// What is read off a spoiled mesh, if anything, is what that mesh is the split of.
+TEST(UnsplitInOrder, SpoiledMeshes) {
+    std::mt19937 random(11);
+    int refused = 0;
+    const auto spoil = [&](const Shape& shape, Split split) {
+        const Topology fine = *refine(shape.topology(), split);
+        FaceList faces = faces_of(fine);
+        const auto sides = static_cast<std::size_t>(fine.sides);
+        const std::size_t f = random() % faces.size();
+        const std::size_t g = random() % faces.size();
+        const auto begin = faces.corners.begin();
+        const auto corner = [&](std::size_t face) {
+            return begin + static_cast<std::ptrdiff_t>(sides * face);
+        };
+        switch (random() % 3) {
+            case 0:  // a face begins elsewhere
+                std::rotate(corner(f), corner(f) + 1, corner(f + 1));
+                break;
+            case 1:  // two faces change places
+                if (f != g) std::swap_ranges(corner(f), corner(f + 1), corner(g));
+                break;
+            default: {  // two vertices change numbers
+                const Index v = random() % fine.vertex_count;
+                const Index w = random() % fine.vertex_count;
+                for (Index& c : faces.corners) c = c == v ? w : c == w ? v : c;
+            }
+        }
+        const Topology mesh = *build(faces, fine.vertex_count);
+        const auto coarse = unsplit_in_order(mesh, split);
+        if (coarse)
+            EXPECT_TRUE(same_faces(*refine(*coarse, split), mesh));
+        else
+            ++refused;
+    };
+    for (int k = 0; k < 60; ++k) {
+        for (const Shape& shape : triangle_shapes()) {
+            spoil(shape, Split::Loop);
+            spoil(shape, Split::Sqrt3Odd);
+        }
+        for (const Shape& shape : polygon_shapes()) spoil(shape, Split::CatmullClark);
+    }
+    EXPECT_GT(refused, 1000);
+}
+
+/// Two edges with the same ends: the split is a mesh, but what was split is none.
+TEST(UnsplitInOrder, DoubleEdges) {
+    const std::array<std::array<Index, 6>, 6> corners_and_edges{{{0, 1, 2, 0, 1, 2},
+                                                                 {1, 0, 3, 0, 3, 4},
+                                                                 {3, 0, 5, 3, 5, 6},
+                                                                 {0, 1, 5, 7, 8, 5},
+                                                                 {1, 0, 4, 7, 9, 10},
+                                                                 {1, 3, 5, 4, 6, 8}}};
+    FaceList faces;
+    for (const auto& c : corners_and_edges) {
+        const std::array<Index, 3> e{6 + c[3], 6 + c[4], 6 + c[5]};
+        for (std::size_t k = 0; k < 3; ++k)
+            faces.add(std::array<Index, 3>{c[k], e[k], e[(k + 2) % 3]});
+        faces.add(e);
+    }
+    const auto fine = build(faces, 17);
+    ASSERT_TRUE(fine.ok()) << fine.error().text();
+    const auto coarse = unsplit_in_order(*fine, Split::Loop);
+    ASSERT_TRUE(coarse);
+    EXPECT_FALSE(is_built(*coarse));
+    EXPECT_FALSE(Recognition(*fine, Split::Loop).ok());
+}
+
+/// Way by way, as a single label spreads.
+struct PlainSpread {
+    std::vector<mesh::Label> labels;
+    std::array<Conflict, kMostWays> conflicts;
+};
+PlainSpread plain_spread(const Topology& fine, Split split, std::size_t way) {
+    PlainSpread result{std::vector<Label>(fine.face_count, kUnlabelled), {}};
+    const auto sides = static_cast<Index>(fine.sides);
+    result.labels[0] = label_in(split, static_cast<PackedLabels>(0xE4), way);
+    std::vector<Index> queue = {0};
+    for (std::size_t k = 0; k < queue.size(); ++k)
+        for (Index side = 0; side < sides; ++side) {
+            const Index f = queue[k];
+            const Index twin = fine.twin[sides * f + side];
+            const Label label = result.labels[f];
+            if (twin == kNone && !may_end(split, label, side)) {
+                result.conflicts[way] = {kBoundaryPattern, f};
+                return result;
+            }
+            if (twin == kNone) continue;
+            const auto wanted = label_across(split, label, side, twin % sides);
+            Label& other = result.labels[twin / sides];
+            if (other == kUnlabelled) {
+                other = static_cast<Label>(wanted);
+                queue.push_back(twin / sides);
+            } else if (other != wanted) {
+                result.conflicts[way] = {kLabelConflict, twin / sides};
+                return result;
+            }
+        }
+    return result;
+}
+
+/// All labels at once are those of each way alone, and end at the same faces.
+TEST(SeedSpread, AsWayByWay) {
+    unsigned seed = 1;
+    const auto compare = [&](const Topology& fine, Split split) {
+        const SeedSpread packed = spread_seeds(fine, split);
+        for (std::size_t way = 0; way < way_count(split); ++way) {
+            const PlainSpread plain = plain_spread(fine, split, way);
+            const Conflict& expected = plain.conflicts[way];
+            const Conflict& found = packed.conflicts[0][way];
+            ASSERT_EQ(found.reason, expected.reason);
+            ASSERT_EQ(found.face, expected.face);
+            for (Index f = 0; !expected.reason && f < fine.face_count; ++f)
+                ASSERT_EQ(label_in(split, packed.labels[f], way), plain.labels[f]);
+        }
+    };
+    for (const Shape& shape : triangle_shapes()) {
+        if (components(shape.topology()).count > 1) continue;
+        for (const Split split : {Split::Loop, Split::Sqrt3Odd}) {
+            const Shape fine = shape_of(*refine(shape.topology(), split));
+            for (const Shape& mixed : {test::shuffled(fine, ++seed),
+                                       test::shuffled(test::flipped(fine, 1, seed), seed)}) {
+                compare(mixed.topology(), Split::Loop);
+                compare(mixed.topology(), Split::Sqrt3Odd);
+                compare(mixed.topology(), Split::Sqrt3Even);
+            }
+        }
+    }
+    for (const Shape& shape : {test::cube(), test::double_torus(), test::grid(3, 4, false)})
+        compare(test::shuffled(shape_of(*refine(shape.topology(), Split::CatmullClark)), ++seed)
+                    .topology(),
+                Split::CatmullClark);
 }
 
 }  // namespace

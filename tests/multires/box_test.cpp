@@ -39,7 +39,7 @@ TYPED_TEST(Box, ReconstructsEverySize) {
 }
 
 TEST(BoxProperties, ReconstructsRandomSizesAndDepths) {
-    rc::check([] {
+    EXPECT_TRUE(rc::check([] {
         const auto rows = *rc::gen::inRange<std::int64_t>(1, 70);
         const auto cols = *rc::gen::inRange<std::int64_t>(1, 70);
         const auto order = *rc::gen::element(1, 2);
@@ -48,7 +48,7 @@ TEST(BoxProperties, ReconstructsRandomSizesAndDepths) {
         const auto input = noise<double>(rows, cols, unsigned(rows + 100 * cols));
         RC_ASSERT(largest_difference(coefficients(analysed(order, input, levels), 0, 0), input) <
                   2e-14);
-    });
+    }));
 }
 
 TEST(BoxProperties, CoarseLevelsAreThoseOfAnalysis) {

@@ -73,7 +73,7 @@ Coefficients exact_quadratic(const Space& space) {
     return coefficients(space, planes);
 }
 
-double energy_of(const BlockMatrix& matrix, const mesh::VertexStars& graph,
+double energy_of(const NormalMatrix& matrix, const mesh::VertexStars& graph,
                  const Coefficients& spline) {
     double sum = 0;
     const auto add = [&](const Block3& block, const Heights& a, const Heights& b) {

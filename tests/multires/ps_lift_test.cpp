@@ -39,7 +39,7 @@ Coefficients wavelet(const Space& coarse, const Refinement& step, std::size_t nu
 }
 
 TEST(PsEnergy, Golden) {
-    for (const auto& item : relief::test::reference("powell_sabin.json")["cases"]) {
+    for (const auto& item : golden_cases()) {
         const Space space = golden_space(item);
         const Coefficients spline = golden_coefficients(item["c"]);
         const BlockMatrix gram = gram_matrix(space);
@@ -122,7 +122,7 @@ TEST(PsLift, Golden) {
         {"semi2", Update::Semi2},
         {"semi2m", Update::Semi2Moments},
     }};
-    for (const auto& item : relief::test::reference("powell_sabin.json")["cases"]) {
+    for (const auto& item : golden_cases()) {
         if (!item.contains("lifting") || item["lifting"].is_null()) continue;
         const auto& expected = item["lifting"];
         const Space coarse = golden_space(item);

@@ -1,7 +1,10 @@
 #include "relief/multires/ps_refine.h"
 
+#include <rapidcheck.h>
+
 #include "ps_testing.h"
 #include "relief/core/parallel.h"
+#include "relief/mesh/delaunay.h"
 
 namespace relief::multires::ps {
 namespace {
@@ -43,12 +46,8 @@ void expect_spline(const Coefficients& spline, const nlohmann::json& expected) {
         for (int j = 0; j < 3; ++j) EXPECT_NEAR(spline[v][j], expected[v][j].get<double>(), 1e-11);
 }
 
-nlohmann::json cases() {
-    return relief::test::reference("powell_sabin.json")["cases"];
-}
-
 TEST(PsRefine, GoldenTriadic) {
-    for (const auto& item : cases()) {
+    for (const auto& item : golden_cases()) {
         if (!item.contains("triadic") || item["triadic"].is_null()) continue;
         const auto& expected = item["triadic"];
         const Space coarse = golden_space(item);
@@ -68,7 +67,7 @@ TEST(PsRefine, GoldenTriadic) {
 }
 
 TEST(PsRefine, GoldenRoot3) {
-    for (const auto& item : cases()) {
+    for (const auto& item : golden_cases()) {
         if (!item.contains("sqrt3") || item["sqrt3"].is_null()) continue;
         const auto& expected = item["sqrt3"];
         const Space coarse = golden_space(item);
@@ -83,7 +82,7 @@ TEST(PsRefine, GoldenRoot3) {
 }
 
 TEST(PsRefine, GoldenDyadic) {
-    for (const auto& item : cases()) {
+    for (const auto& item : golden_cases()) {
         const Space coarse = golden_space(item);
         const auto step = refine(coarse, {.scheme = Scheme::Dyadic});
         ASSERT_EQ(step.ok(), item["dyadic_applies"].get<bool>());
@@ -249,6 +248,66 @@ TEST(PsRefine, CutsStayBeforeTheInnerPoint) {
     EXPECT_NEAR(closed.kappa[0], 0.75 * inverse, 1e-12);
     EXPECT_NEAR(halved.kappa[0], 1.0 / 3, 1e-12);
     EXPECT_GT(orient(corners[0], corners[1], corners[2]), 0);
+}
+
+/// Delaunay triangulations of random sites, with triangles taken out: holes, bow-ties, notches,
+/// components, any valence.
+TEST(PsRefine, RandomTriangulations) {
+    rc::check("random sites", [] {
+        Noise noise(*rc::gen::arbitrary<std::uint32_t>());
+        std::vector<Vec2> sites(*rc::gen::inRange<std::size_t>(4, 60));
+        for (Vec2& site : sites) site = {noise(), noise()};
+        const auto delaunay = mesh::delaunay(sites);
+        RC_PRE(delaunay.ok());
+        std::vector<Vec2> vertices;
+        for (Index v = 0; v < delaunay->mesh.vertex_count(); ++v)
+            vertices.push_back(delaunay->mesh.vertex(v));
+        std::vector<std::array<Index, 3>> triangles;
+        double thinnest = 1;
+        for (Index t = 0; t < delaunay->mesh.triangle_count(); ++t) {
+            if (noise() > 0.7) continue;
+            triangles.push_back(delaunay->mesh.triangles[t]);
+            const TriangleCorners v = delaunay->mesh.corners(t);
+            double longest = 0;
+            for (int k = 0; k < 3; ++k) longest = std::max(longest, length(v[k] - v[(k + 1) % 3]));
+            thinnest = std::min(thinnest, orient(v[0], v[1], v[2]) / (longest * longest));
+        }
+        RC_PRE(!triangles.empty() && thinnest > 1e-4);
+        const auto used = must(mesh::compact(vertices, triangles));
+        const Space coarse = must(make_space(must(mesh::build(used.vertices, used.triangles))));
+        RC_ASSERT(enclosure_excess(coarse) * thinnest < 1e-11);
+        const Coefficients spline = random_spline(coarse, 1);
+        const Refinement step = must(refine(coarse));
+        RC_ASSERT(enclosure_excess(step.fine) * thinnest < 1e-11);
+        const Coefficients fine = prolong(coarse, step, spline);
+        const Pointwise before(coarse, spline);
+        const Pointwise after(step.fine, fine);
+        for (Index t = 0; t < step.fine.mesh.triangle_count(); t += 3) {
+            const Vec2 point = inner_point(step.fine.mesh, t, noise);
+            const double expected = before.jet(t / 9, point).value;
+            // Roundings of B-splines grow as triangles get thinner.
+            RC_ASSERT(std::abs(after.jet(t, point).value - expected) < 1e-14 / thinnest);
+        }
+    });
+}
+
+/// Values of refined splines lose digits in proportion to the thinness of triangles.
+TEST(PsRefine, Slivers) {
+    for (const double thin : {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
+        const Space coarse =
+            must(make_space(relief::test::built({{{0, 0}, {1, 0}, {0.3, thin}, {0.5, 1}, {0.4, -1}},
+                                                 {{0, 1, 2}, {0, 2, 3}, {2, 1, 3}, {0, 4, 1}}})));
+        const Coefficients spline = random_spline(coarse, 2);
+        const Refinement step = must(refine(coarse));
+        const Coefficients fine = prolong(coarse, step, spline);
+        const Pointwise before(coarse, spline);
+        const Pointwise after(step.fine, fine);
+        Noise noise(3);
+        for (Index t = 0; t < step.fine.mesh.triangle_count(); ++t) {
+            const Vec2 point = inner_point(step.fine.mesh, t, noise);
+            EXPECT_NEAR(after.jet(t, point).value, before.jet(t / 9, point).value, 1e-14 / thin);
+        }
+    }
 }
 
 TEST(PsRefine, SameBytesForAnyThreadCount) {

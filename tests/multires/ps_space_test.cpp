@@ -16,7 +16,7 @@ double area(const TriangleCorners& t) {
 }
 
 TEST(PsSpace, GoldenSplit) {
-    for (const auto& item : relief::test::reference("powell_sabin.json")["cases"]) {
+    for (const auto& item : golden_cases()) {
         const Space space = must(make_space(golden_mesh(item["mesh"])));
         const auto& mesh = item["mesh"];
         ASSERT_EQ(space.mesh.edge_count(), mesh["E"].size());
@@ -39,7 +39,7 @@ TEST(PsSpace, GoldenSplit) {
 }
 
 TEST(PsSpace, GoldenTangentPlanes) {
-    for (const auto& item : relief::test::reference("powell_sabin.json")["cases"]) {
+    for (const auto& item : golden_cases()) {
         const Space space = golden_space(item);
         const Coefficients spline = golden_coefficients(item["c"]);
         const TangentPlanes planes = tangent_planes(space, spline);
@@ -59,7 +59,7 @@ TEST(PsSpace, GoldenTangentPlanes) {
 }
 
 TEST(PsSpace, GoldenValues) {
-    for (const auto& item : relief::test::reference("powell_sabin.json")["cases"]) {
+    for (const auto& item : golden_cases()) {
         const Space space = golden_space(item);
         const Pointwise surface(space, golden_coefficients(item["c"]));
         const auto& eval = item["eval"];

@@ -26,6 +26,10 @@ T must(Result<T> result) {
     return *std::move(result);
 }
 
+inline nlohmann::json golden_cases() {
+    return relief::test::reference("powell_sabin.json")["cases"];
+}
+
 inline Triangulation golden_mesh(const nlohmann::json& mesh) {
     std::vector<Vec2> vertices;
     std::vector<std::array<Index, 3>> triangles;

@@ -32,7 +32,8 @@ std::vector<Vec2> regular(int corners) {
 }
 
 TEST(ControlTriangle, Golden) {
-    for (const auto& item : test::reference("powell_sabin.json")["min_triangle"]) {
+    const nlohmann::json file = test::reference("powell_sabin.json");
+    for (const auto& item : file["min_triangle"]) {
         std::vector<Vec2> points;
         for (const auto& p : item["points"]) points.push_back({p[0], p[1]});
         const auto triangle = smallest_triangle(points);

@@ -15,11 +15,14 @@ struct DelaunayOptions {
     /// an interior vertex, projects into AB and has orient(A, B, C) < peel |AB|^2, repeatedly. No
     /// vertex is lost. 0 keeps the convex hull, but for triangles that `build` would refuse.
     double peel = 0.01;
+    /// Points that are closer than this, also over others in between, become one vertex at the
+    /// place of the first of them. 0: only those at one place.
+    double merge_distance = 0;
 };
 
 struct Delaunay {
     Triangulation mesh;  ///< vertices along a Hilbert curve, triangles by their lowest vertices
-    /// Of each point its vertex. Points at one place share a vertex.
+    /// Of each point its vertex, which points share that are at one place or were merged.
     std::vector<Index> vertex_of_point;
 };
 
@@ -28,7 +31,7 @@ struct Delaunay {
 /// box: points are moved by 2^-51 of it at most, those that fall on the same place become one
 /// vertex, and all decisions are exact there. Four points on a circle are joined by the shorter
 /// diagonal, of equal ones by that which rises to the right, so that lattices are cut in one
-/// direction. The result does not depend on threads or machines.
+/// direction. The mesh depends on the set of points only: not on their order, threads or machines.
 ///
 /// Errors, all BadInput, with a name as in `build`: `too_many_points` (2^31 / 6),
 /// `non_finite_input` (also beyond 1e150), `too_few_points` (fewer than three places),

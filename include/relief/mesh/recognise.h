@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,12 +31,25 @@ struct Unsplit {
 [[nodiscard]] Buffer<Index> fine_half_edges(const Topology& coarse, Split split,
                                             const Topology& fine, const Buffer<Index>& start);
 
+/// The coarser mesh of which `refine` makes this one, number for number; nothing if there is none,
+/// or a boundary was trisected. It may break the promises of Topology, where different edges or
+/// fans have the same vertices: see is_built. Then so do all coarser ones. Complexity: O(n), in the
+/// order of memory.
+[[nodiscard]] std::optional<Topology> unsplit_in_order(const Topology& fine, Split split);
+
+/// Whether `build` makes this mesh of its faces. Complexity: O(n).
+[[nodiscard]] bool is_built(const Topology& mesh);
+
+struct CoarseFaces;
+struct Conflict;
+
 /// Ways to see the components of a mesh as split; none for those that are not.
 class Recognition {
   public:
     /// `fine` must outlive this. quads_only: Catmull-Clark, the coarser mesh has quads only.
     /// Complexity: O(n).
     Recognition(const Topology& fine, Split split, bool quads_only = false);
+    ~Recognition();
 
     [[nodiscard]] std::size_t components() const { return ways_.size(); }
     /// In how many ways component k is split: at most four. Regular tori have several, and closed
@@ -53,22 +68,24 @@ class Recognition {
     [[nodiscard]] Result<Unsplit> unsplit(const std::vector<std::size_t>& choice) const;
 
   private:
-    /// One a face: which of its corners are old ones. See split_labels.h.
-    using Labels = std::vector<std::uint8_t>;
-
-    void find(std::size_t component, Index seed, std::span<const Index> boundary);
-    void drop(std::size_t way, const std::vector<bool>& bad, const char* reason);
-    void check_vertices(std::size_t way, std::span<const Index> valences);
-    void check_thirds(std::span<const std::uint8_t> roles, std::vector<bool>& bad) const;
+    void take_ways(std::size_t component, std::span<const Conflict> conflicts);
+    void label_open_components();
+    void drop(std::size_t component, std::size_t way, const char* reason);
+    [[nodiscard]] std::vector<std::uint8_t> bad_vertices() const;
     void check_coarse_edges(std::size_t way);
+    /// Of all faces in one way for each component. See split_labels.h.
+    [[nodiscard]] Buffer<std::uint8_t> labels_of(std::span<const std::size_t> ways) const;
 
     const Topology& fine_;
     Split split_;
     bool quads_only_;
     Components parts_;
-    std::vector<Labels> labels_;                  ///< [way]: of all faces
-    std::vector<std::vector<std::size_t>> ways_;  ///< [component]: those that it has
-    std::vector<std::string> reasons_;            ///< [component]: why it has none
+    std::vector<std::uint8_t> labels_;  ///< [face]: which of its corners are old ones, in all ways
+    std::vector<bool> paired_;          ///< [component]: its labels are those of the only way
+    std::vector<std::vector<std::size_t>> ways_;     ///< [component]: those that it has
+    std::vector<std::string> reasons_;               ///< [component]: why it has none
+    std::vector<std::size_t> last_ways_;             ///< [component]: those checked last,
+    std::unique_ptr<const CoarseFaces> last_faces_;  ///< and their faces
 };
 
 }  // namespace relief::mesh

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "relief/mesh/topology.h"
 
@@ -46,9 +47,24 @@ struct MeshCounts {
 /// c) for each face (a, b, c) with the boundary edge ab and the points p, q on it. L or R in such a
 /// face is the point next to the edge.
 ///
-/// Errors: BadInput `not_triangles` for Loop and sqrt(3) naming the face; `sqrt3_parity` for an
-/// even step of a face with two boundary edges; `too_many_elements`. Complexity: O(n).
+/// Errors: those of check_split. Complexity: O(n).
 [[nodiscard]] Result<Topology> refine(const Topology& coarse, Split split);
+/// The same into a mesh that is replaced, in the memory that it has.
+[[nodiscard]] Status refine(const Topology& coarse, Split split, Topology& fine);
+
+/// Whether a mesh can be split so. Errors: BadInput `not_triangles` for Loop and sqrt(3) naming the
+/// face; `sqrt3_parity` for an even step of a face with two boundary edges; `too_many_elements`.
+[[nodiscard]] Status check_split(const Topology& coarse, Split split);
+
+/// How many corners the faces have after a split.
+[[nodiscard]] constexpr int sides_after(Split split) {
+    return split == Split::CatmullClark ? 4 : 3;
+}
+
+/// The corners of the faces of the finer mesh alone: what its `origin` is, in a third of the time
+/// and memory. Requires: check_split, room for refined(counts_of(coarse), split).half_edges.
+/// Complexity: O(n).
+void split_faces(const Topology& coarse, Split split, std::span<Index> corners);
 
 /// Loop and Catmull-Clark: the fine half-edges that a coarse one is cut into, in its direction.
 [[nodiscard]] inline std::array<Index, 2> halves(const Topology& coarse, Split split, Index h) {

@@ -7,6 +7,7 @@
 
 #include "relief/multires/mesh_frames.h"
 #include "relief/multires/mesh_lift.h"
+#include "relief/multires/mesh_smooth.h"
 #include "relief/multires/mesh_step.h"
 
 /// Meshes that are subdivisions of a coarse one: their connectivity, recognised in a fine mesh or
@@ -71,9 +72,9 @@ struct MeshOrigin {
 };
 
 /// Goes down as many steps as the mesh has and `most` allows. Where components can be seen as split
-/// in several ways, the way is taken from which subdivision comes nearest to the points. tags: of
-/// the mesh. Errors: BadInput no_subdivision_connectivity; those of step_rules.
-/// Complexity: O(n).
+/// in several ways, the way is taken from which subdivision comes nearest to the points; but a mesh
+/// that has the numbers of subdivision is seen as these say. tags: of the mesh. Errors: BadInput
+/// no_subdivision_connectivity; those of step_rules. Complexity: O(n).
 [[nodiscard]] Result<MeshOrigin> origin_of(const mesh::Topology& mesh,
                                            std::span<const Vec3<double>> points,
                                            const MeshTags& tags, MeshScheme scheme, int most);
@@ -88,13 +89,18 @@ struct MeshOrigin {
 struct MeshTransform {
     LiftKind lift = LiftKind::Chebyshev;
     bool local_frames = false;  ///< details along the normal and tangents of the coarser surface
+    /// Residuals of stiff vertices are inside the details, so that there are none beside them:
+    /// multires/mesh_packed.h.
+    bool packed = false;
+    /// In (0, 1]; below 1, coarse meshes are smoothed after lifting: multires/mesh_smooth.h.
+    double omega = 1;
     /// Of each step, Chebyshev; empty: default_lift.
     std::vector<LiftOptions> lifts = {};
 
     [[nodiscard]] LiftOptions lift_of(const MeshHierarchy& hierarchy, int step) const;
 };
 
-/// Residuals of the stiff vertices of each step; mostly none.
+/// Residuals of the stiff vertices of each step; mostly none, and none if they are packed.
 using StiffResiduals = std::vector<std::vector<Vec3<double>>>;
 
 /// Frames in which the details of a step are expressed: those of the surface of its coarse
@@ -119,7 +125,8 @@ class DetailFrames {
 /// the details of steps 0, 1, ..
 class MeshMaps {
   public:
-    /// The hierarchy must outlive this. Errors: those of MeshLift::create. Complexity: O(n).
+    /// The hierarchy must outlive this. Errors: those of MeshLift::create, MeshSmoothing::create
+    /// and check_packed. Complexity: O(n).
     [[nodiscard]] static Result<MeshMaps> create(const MeshHierarchy& hierarchy,
                                                  const MeshTransform& transform);
 
@@ -140,8 +147,10 @@ class MeshMaps {
   private:
     const MeshHierarchy* hierarchy_ = nullptr;
     bool local_frames_ = false;
+    bool packed_ = false;
     std::vector<std::unique_ptr<MeshStep<double>>> steps_;
     std::vector<MeshLift> lifts_;
+    std::vector<MeshSmoothing> smoothings_;  ///< none: nothing is smoothed
 };
 
 }  // namespace relief::multires

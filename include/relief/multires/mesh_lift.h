@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -15,6 +16,11 @@ enum class LiftKind : std::uint8_t {
     Chebyshev,     ///< some sweeps towards least squares
     LeastSquares,  ///< the coarse mesh whose subdivision is nearest
 };
+inline constexpr std::array<LiftKind, 4> kLiftKinds = {LiftKind::None, LiftKind::Ring,
+                                                       LiftKind::Chebyshev, LiftKind::LeastSquares};
+
+/// "none", "ring", "chebyshev", "least-squares".
+[[nodiscard]] const char* lift_name(LiftKind kind);
 
 struct LiftOptions {
     LiftKind kind = LiftKind::Chebyshev;

@@ -135,7 +135,7 @@ class MeshStep {
     void adjoint(ConstPoints old, Points fresh, Points c) const;
 
     /// In place: the old vertices of `fine` to c, the new ones to details g - P c. residuals: that
-    /// of each stiff vertex, which its details do not give. scratch: of fine size.
+    /// of each stiff vertex, which its details do not give. scratch: of coarse size.
     void analyse(Points fine, Points residuals, Points scratch) const;
     /// The reverse.
     void synthesise(Points fine, ConstPoints residuals, Points scratch) const;

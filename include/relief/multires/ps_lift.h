@@ -52,7 +52,7 @@ struct Lifted {
 };
 
 /// One level. Errors: those of `check` for the numbers given; `singular_system` if triangles are so
-/// thin that B-splines can not be told apart. Complexity: O(n), with about 5 microseconds a detail
+/// thin that B-splines can not be told apart. Complexity: O(n), with about 10 microseconds a detail
 /// triple for Semi2; Full O(n^1.5).
 [[nodiscard]] Result<Lifted> analyse(const Space& coarse, const Refinement& step,
                                      std::span<const Heights> fine,

@@ -31,9 +31,9 @@ struct SubdividedMesh {
     Sharpness sharpness;  ///< what is left of it
 };
 
-/// `steps` subdivisions. Arrays have one element a vertex. Errors: those of step_rules and
-/// mesh::refine; InvalidArgument for sharpness that is negative or not a number, in a sqrt(3) mesh
-/// inside the surface, or arrays of another size. T: float or double. Complexity: O(result).
+/// `steps` subdivisions, none for 0. Arrays have one element a vertex. Errors: those of
+/// Subdivider::prepare; InvalidArgument for arrays of another size. T: float or double. Complexity:
+/// O(result). Where only faces and points are wanted, or both again and again: Subdivider.
 template <class T>
 [[nodiscard]] Result<SubdividedMesh<T>> subdivide(SubdividedMesh<T> mesh, const MeshSpec& spec,
                                                   int steps);

@@ -72,6 +72,18 @@ struct SmoothRule {
 [[nodiscard]] SmoothRule loop_smooth(mesh::Index n);
 [[nodiscard]] SmoothRule catmull_clark_smooth(mesh::Index n);
 
+/// Smooth vertices in the classical form of their rule, which holds for darts too: the weights of
+/// the vertex itself and of each vertex of its ring; for Catmull-Clark the ring are the other ends
+/// of its edges and the points of its faces.
+struct RingRule {
+    double self = 1;
+    double ring = 0;
+};
+/// Requires: n >= 2.
+[[nodiscard]] RingRule sqrt3_ring(mesh::Index n, double alpha);
+[[nodiscard]] RingRule loop_ring(mesh::Index n);
+[[nodiscard]] RingRule catmull_clark_ring(mesh::Index n);
+
 /// A vertex with one sharp edge, Loop: K of the new vertices of its edges, the sharp one first,
 /// counter-clockwise. Requires: n >= 2. Complexity: O(n).
 struct DartRule {

@@ -92,7 +92,7 @@ using PsMatrix = std::array<double, 81>;
 
 /// The corner k after whose line from Z a point follows, counter-clockwise, before that of corner
 /// k + 1, by the lines it is not to the right of: bit k of the index is that of corner k. 0 at Z.
-inline constexpr std::array<std::int8_t, 8> kPsSector = {0, 0, 1, 1, 2, 0, 2, 0};
+inline constexpr std::array<std::uint8_t, 8> kPsSector = {0, 0, 1, 1, 2, 0, 2, 0};
 
 /// The geometry of one element.
 class PsElement {

@@ -1,0 +1,176 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "draco_peer.h"
+#include "mesh_shapes.h"
+#include "relief/codec/mesh_codec.h"
+#include "relief/io/mesh.h"
+#include "relief/mesh/closest.h"
+
+/// Measures relief and Draco on meshes with subdivision connectivity: one line of JSON for each
+/// file. Errors are fractions of the diagonal of the bounding box.
+namespace relief::peers {
+
+namespace {
+
+using codec::Goal;
+using codec::MeshDistance;
+using nlohmann::json;
+
+void print(const json& line) {
+    std::cout << line.dump() << std::endl;
+}
+
+double diagonal_of(const PolygonMesh& mesh) {
+    auto low = mesh.vertices.at(0);
+    auto high = low;
+    for (const auto& v : mesh.vertices)
+        for (std::size_t k = 0; k < 3; ++k) {
+            low[k] = std::min(low[k], v[k]);
+            high[k] = std::max(high[k], v[k]);
+        }
+    return std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+}
+
+double largest_move(const PolygonMesh& a, const PolygonMesh& b) {
+    double largest = 0;
+    for (std::size_t v = 0; v < a.vertices.size(); ++v)
+        largest = std::max(largest, std::hypot(a.vertices[v][0] - b.vertices[v][0],
+                                               a.vertices[v][1] - b.vertices[v][1],
+                                               a.vertices[v][2] - b.vertices[v][2]));
+    return largest;
+}
+
+/// Only places and polygons: what Draco is given too.
+PolygonMesh shape_of(const PolygonMesh& mesh) {
+    return {.vertices = mesh.vertices, .offsets = mesh.offsets, .corners = mesh.corners};
+}
+
+class Comparison {
+  public:
+    Comparison(std::string name, PolygonMesh mesh)
+        : name_(std::move(name)), mesh_(std::move(mesh)), diagonal_(diagonal_of(mesh_)) {}
+
+    /// Errors: those of encode_mesh.
+    [[nodiscard]] Status run() const {
+        RELIEF_TRY(const std::uint64_t order, order_bytes());
+        for (const double error : {1e-3, 3e-4, 1e-4, 1e-5})
+            RELIEF_CHECK(relief(Goal::Kind::RmsError, MeshDistance::Surface, error, order));
+        for (const double error : {1e-3, 1e-4, 1e-5})
+            RELIEF_CHECK(relief(Goal::Kind::MaxError, MeshDistance::Vertices, error, order));
+        for (int bits = 5; bits <= 20; ++bits) RELIEF_CHECK(draco(bits));
+        return {};
+    }
+
+  private:
+    [[nodiscard]] json line(const char* codec) const {
+        return {{"mesh", name_}, {"vertices", mesh_.vertices.size()}, {"codec", codec}};
+    }
+
+    /// What it takes more to keep the numbers of vertices and faces.
+    [[nodiscard]] Result<std::uint64_t> order_bytes() const {
+        codec::MeshEncodeOptions options{.goal = {Goal::Kind::MaxError, 1e-2 * diagonal_}};
+        RELIEF_TRY(const auto kept, codec::encode_mesh(mesh_, options));
+        options.keep_order = false;
+        RELIEF_TRY(const auto free, codec::encode_mesh(mesh_, options));
+        return kept.bytes.size() - std::min(kept.bytes.size(), free.bytes.size());
+    }
+
+    [[nodiscard]] Status relief(Goal::Kind kind, MeshDistance distance, double error,
+                                std::uint64_t order) const {
+        RELIEF_TRY(const auto encoded, codec::encode_mesh(mesh_, {.goal = {kind, error * diagonal_},
+                                                                  .distance = distance,
+                                                                  .keep_order = false}));
+        RELIEF_TRY(const codec::MeshFile file, codec::MeshFile::open(encoded.bytes));
+        const codec::MeshReport& report = encoded.report;
+        const bool rms = kind == Goal::Kind::RmsError;
+        json result = line("relief");
+        result["scheme"] = multires::mesh_scheme_name(report.scheme);
+        result["levels"] = report.levels;
+        result["base_vertices"] = report.base_vertices;
+        result["goal"] = rms ? "surface rms" : "vertex max";
+        result["value"] = error;
+        result["error"] = (rms ? report.rms_error : report.max_error) / diagonal_;
+        result["bytes"] = report.bytes;
+        result["base_bytes"] = file.bytes_for(report.levels);
+        result["order_bytes"] = order;
+        print(result);
+        return {};
+    }
+
+    /// The smallest file of some speeds; its errors depend on the bits alone.
+    [[nodiscard]] Status draco(int bits) const {
+        json result = line("Draco");
+        result["bits"] = bits;
+        for (const int speed : {0, 1, 3, 5, 7}) {
+            RELIEF_TRY(const Bytes bytes, draco_encode(mesh_, {bits, speed}));
+            if (result.contains("bytes") && result["bytes"] <= bytes.size()) continue;
+            result["bytes"] = bytes.size();
+            result["speed"] = speed;
+        }
+        RELIEF_TRY(const PolygonMesh decoded, draco_decoded(mesh_, {bits, 0}));
+        RELIEF_TRY(const auto distance, mesh::surface_distance(mesh_, decoded));
+        result["surface rms"] = distance.rms() / diagonal_;
+        result["vertex max"] = largest_move(mesh_, decoded) / diagonal_;
+        print(result);
+        return {};
+    }
+
+    std::string name_;
+    PolygonMesh mesh_;
+    double diagonal_;
+};
+
+std::string stem(std::string_view path) {
+    path.remove_prefix(path.find_last_of('/') + 1);
+    return std::string(path.substr(0, path.find_last_of('.')));
+}
+
+Result<std::vector<NamedMesh>> meshes_of(const std::vector<std::string>& arguments) {
+    std::vector<NamedMesh> meshes;
+    for (const std::string& argument : arguments) {
+        if (argument == "--exact") {
+            for (NamedMesh& mesh : exact_surfaces()) meshes.push_back(std::move(mesh));
+        } else if (argument == "--waves") {
+            for (const int steps : {5, 6, 7})
+                meshes.push_back({"smooth L" + std::to_string(steps), wavy_sphere(steps, 0)});
+            meshes.push_back({"rough L6", wavy_sphere(6, 0.005)});
+        } else {
+            RELIEF_TRY(const io::LoadedMesh loaded, io::read_mesh(argument));
+            meshes.push_back({stem(argument), shape_of(loaded.mesh)});
+        }
+    }
+    return meshes;
+}
+
+int run(int count, char** arguments) {
+    if (count < 2) {
+        std::cerr << "usage: relief_mesh_codecs [--waves] [--exact] [mesh]...\n";
+        return 2;
+    }
+    const auto meshes = meshes_of({arguments + 1, arguments + count});
+    if (!meshes.ok()) {
+        std::cerr << meshes.error().text() << '\n';
+        return 1;
+    }
+    print({{"libraries", {{"Draco", draco_version()}}}});
+    for (const NamedMesh& mesh : *meshes) {
+        const Status done = Comparison(mesh.name, mesh.mesh).run();
+        if (done.ok()) continue;
+        std::cerr << mesh.name << ": " << done.error().text() << '\n';
+        return 1;
+    }
+    return 0;
+}
+
+}  // namespace
+
+}  // namespace relief::peers
+
+int main(int count, char** arguments) {
+    return relief::peers::run(count, arguments);
+}
