@@ -175,13 +175,6 @@ class Encoder {
     double missed_ = 0;  ///< by the spline before it is coded: the error at the data
 
   private:
-    [[nodiscard]] Trial untouched() const {
-        Trial trial;
-        trial.levels = {source_.splines};
-        if (source_.values) trial.values = source_.values->components;
-        return trial;
-    }
-
     /// Data may be farther from the spline than the goal allows.
     [[nodiscard]] Status check_reachable() {
         const bool of_errors =
