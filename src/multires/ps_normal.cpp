@@ -169,7 +169,7 @@ VertexStars coupling(const mesh::Triangulation& mesh, Energy energy) {
 }
 
 void NormalMatrix::add(const VertexStars& graph, const std::array<Index, 3>& vertices,
-                      const PsMatrix& matrix) {
+                       const PsMatrix& matrix) {
     for (std::size_t k = 0; k < 3; ++k)
         for (std::size_t l = 0; l < 3; ++l) {
             Block3& block = block_of(*this, graph, vertices[k], vertices[l]);
@@ -180,7 +180,7 @@ void NormalMatrix::add(const VertexStars& graph, const std::array<Index, 3>& ver
 }
 
 void NormalMatrix::add_square(const VertexStars& graph, const Index* vertices, std::size_t count,
-                             const Column3* functional, double factor) {
+                              const Column3* functional, double factor) {
     for (std::size_t k = 0; k < count; ++k)
         for (std::size_t l = 0; l < count; ++l) {
             Block3& block = block_of(*this, graph, vertices[k], vertices[l]);

@@ -38,7 +38,7 @@ struct NormalMatrix {
 
 /// The energy of a spline as c^T (matrix) c.
 [[nodiscard]] NormalMatrix energy_matrix(const Space& space, const mesh::VertexStars& graph,
-                                        Energy energy);
+                                         Energy energy);
 
 /// Data by triangles. The values of the nine B-splines there are quadratics on each of six pieces.
 class SortedSites {
