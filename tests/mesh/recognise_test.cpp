@@ -361,7 +361,7 @@ TEST(SeedSpread, AsWayByWay) {
             const PlainSpread plain = plain_spread(fine, split, way);
             const Conflict& expected = plain.conflicts[way];
             const Conflict& found = packed.conflicts[0][way];
-            ASSERT_EQ(found.reason, expected.reason);
+            ASSERT_STREQ(found.reason, expected.reason);
             ASSERT_EQ(found.face, expected.face);
             for (Index f = 0; !expected.reason && f < fine.face_count; ++f)
                 ASSERT_EQ(label_in(split, packed.labels[f], way), plain.labels[f]);
