@@ -61,7 +61,9 @@ struct TileName {
 struct TileGeometry {
     TileName tile;
     LatticeBox rect;  ///< rows and columns of the tile that follow
-    double x0 = 0, y0 = 0, dx = 0, dy = 0;  ///< page place of the part's first sample, and steps
+    /// Page places of the part's first and last sample, and the steps between all but the last
+    /// two: the last sample of a raster is on its border.
+    double x0 = 0, y0 = 0, x1 = 0, y1 = 0, dx = 0, dy = 0;
     std::vector<float> height;              ///< of a height field; else empty
     std::vector<Point> position;            ///< of a parametric surface; else empty
     std::vector<PackedNormal> normal;

@@ -2,7 +2,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include <functional>
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -106,6 +107,13 @@ struct Probe {
     Vec2 place;  ///< the file's own coordinates
 };
 
+/// What a session can not read from a file.
+struct OpenOptions {
+    /// Sizes of a raster's samples in the unit of its heights, along columns and rows; none: those
+    /// of its transform, as if both had the same unit.
+    std::optional<std::array<double, 2>> spacing = {};
+};
+
 /// An opened file with what was done to it. Not for several threads at once.
 ///
 /// Moves form a list, as in files; what is shown is a function of the file and of that list alone,
@@ -114,7 +122,8 @@ class Session {
   public:
     /// A .relief file of any kind. Its own moves are part of the original. Errors: those of the
     /// file's reader.
-    [[nodiscard]] static Result<Session> open(std::shared_ptr<const ByteSource> file);
+    [[nodiscard]] static Result<Session> open(std::shared_ptr<const ByteSource> file,
+                                              const OpenOptions& options = {});
     Session(Session&&) noexcept;
     Session& operator=(Session&&) noexcept;
     ~Session();
