@@ -3,8 +3,8 @@
 #include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <string_view>
 
+#include "contest.h"
 #include "draco_peer.h"
 #include "mesh_shapes.h"
 #include "relief/codec/mesh_codec.h"
@@ -124,11 +124,6 @@ class Comparison {
     PolygonMesh mesh_;
     double diagonal_;
 };
-
-std::string stem(std::string_view path) {
-    path.remove_prefix(path.find_last_of('/') + 1);
-    return std::string(path.substr(0, path.find_last_of('.')));
-}
 
 Result<std::vector<NamedMesh>> meshes_of(const std::vector<std::string>& arguments) {
     std::vector<NamedMesh> meshes;
