@@ -117,7 +117,7 @@ TEST(HostilePs, HeaderMembersOutOfRangeAreNamed) {
                                                  {"/base/vertices", "4294967296", "too many"},
                                                  {"/base/vertices", "2147483647", "too small"},
                                                  {"/base/vertices", "11", "damaged"},
-                                                 {"/base/triangles", "100", "too small"},
+                                                 {"/base/triangles", "100", "more triangles"},
                                                  {"/base/triangles", "3", "damaged"},
                                                  {"/base/digits", "16", "digits"},
                                                  {"/base/digits", "\"x\"", "digits"},
