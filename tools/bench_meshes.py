@@ -1,10 +1,9 @@
-"""Runs relief_mesh_peers over base meshes, and benchmarks of reverse subdivision, and says in tables how relief stands."""
+"""Runs relief_mesh_peers over base meshes, and says in tables how relief stands at forward subdivision."""
 import json
 import os
 import pathlib
 import subprocess
 
-import bench_counters
 import bench_peers
 from bench_peers import markdown, met, number
 
@@ -21,21 +20,11 @@ TARGETS = {
     "sqrt3": ("CGAL", {"first": 15, "kept": 15}),
 }
 
-# Reverse subdivision: stages, whether they depend on the order of vertices and faces, and what they count.
-STAGES = [("build", True, "faces"), ("recognise", True, "faces"), ("analyse/plain", False, "faces"),
-          ("analyse/lifted", False, "faces"), ("synthesise/plain", False, "vertices"),
-          ("synthesise/lifted", False, "vertices"), ("decompose", True, "faces")]
-SCHEMES = ["sqrt3", "loop", "catmull-clark"]
-# 10^6 a second, by scheme, in the order of subdivision: recognition and lifted analysis together, faces; synthesis, vertices.
-BACKWARDS_TARGETS, SYNTHESIS_TARGET = {"sqrt3": 8, "loop": 8, "catmull-clark": 4}, 30
-MEMORY_TARGET = 60  # bytes a face, beside the mesh
-
 
 class Lines:
-    """What relief_mesh_peers printed, and the counters of reverse subdivision."""
+    """What relief_mesh_peers printed."""
 
-    def __init__(self, lines: list[dict], reverse: dict[str, dict]):
-        self.reverse = reverse
+    def __init__(self, lines: list[dict]):
         self.libraries = lines[0]["libraries"]
         self.all = {(l["scheme"], l["mesh"], l["library"]): l for l in lines[1:]}
         self.cases = list(dict.fromkeys((l["scheme"], l["mesh"], l["faces"]) for l in lines[1:]))
@@ -52,9 +41,7 @@ def run(build: pathlib.Path, output: pathlib.Path, quick: bool) -> Lines:
     raw = output / "meshes.jsonl"
     with raw.open("w") as out:
         subprocess.run([build / PROGRAM, *(["--once"] if quick else []), *files], check=True, stdout=out)
-    lines = [json.loads(line) for line in raw.read_text().splitlines()]
-    pattern = "^mesh/(%s)/.*threads:1(/|$)" % "|".join(stage for stage, _, _ in STAGES)
-    return Lines(lines, {} if quick else bench_counters.run(build, pattern, output / "raw.json"))
+    return Lines([json.loads(line) for line in raw.read_text().splitlines()])
 
 
 def ratio(lines: Lines, case: tuple, what: str) -> float | None:
@@ -87,39 +74,8 @@ def ratios(lines: Lines) -> str:
     return markdown(("scheme", "base", "times as fast as", "first call", "kept memory", "points", "target", "met"), rows)
 
 
-def of_stage(lines: Lines, stage: str, scheme: str, shuffled: bool, counter: str) -> float | None:
-    name = f"mesh/{stage}/scheme:{SCHEMES.index(scheme)}/shuffled:{int(shuffled)}/threads:1"
-    return lines.reverse.get(name, {}).get(counter)
-
-
-def backwards(lines: Lines, scheme: str) -> float | None:
-    """Recognition and lifted analysis, one after the other, in the order of subdivision."""
-    parts = [of_stage(lines, stage, scheme, False, "M_per_s") for stage in ("recognise", "analyse/lifted")]
-    return 1 / sum(1 / part for part in parts) if all(parts) else None
-
-
-def reverse(lines: Lines) -> str:
-    rows = []
-    for stage, ordered, what in STAGES:
-        target = SYNTHESIS_TARGET if stage.startswith("synthesise") else None
-        for shuffled in (False, True)[:1 + ordered]:
-            values = [of_stage(lines, stage, scheme, shuffled, "M_per_s") for scheme in SCHEMES]
-            rows.append((stage.replace("/", ", ") + (", shuffled" if shuffled else ""), "10^6 %s/s" % what,
-                         *(number(value, "%.1f") for value in values), f">= {target}" if target else "",
-                         " / ".join(met(value, target, True) for value in values) if target else ""))
-    values = [backwards(lines, scheme) for scheme in SCHEMES]
-    rows.append(("recognise and analyse, lifted", "10^6 faces/s", *(number(value, "%.1f") for value in values),
-                 ">= " + " / ".join(str(BACKWARDS_TARGETS[scheme]) for scheme in SCHEMES),
-                 " / ".join(met(value, BACKWARDS_TARGETS[scheme], True) for value, scheme in zip(values, SCHEMES))))
-    values = [of_stage(lines, "decompose", scheme, False, "bytes_per_face") for scheme in SCHEMES]
-    rows.append(("decompose, peak memory", "bytes/face", *(number(value, "%.0f") for value in values),
-                 f"<= {MEMORY_TARGET}", " / ".join(met(value, MEMORY_TARGET) for value in values)))
-    return markdown(("stage", "", *SCHEMES, "target", "met"), rows)
-
-
 SECTIONS = [("Meshes: forward subdivision, 10^6 faces a second", speeds), ("Meshes: forward subdivision against its peers", ratios)]
-REVERSE_SECTION = ("Meshes: reverse subdivision", reverse)
 
 
 def report(lines: Lines) -> str:
-    return bench_peers.sections(lines, SECTIONS + [REVERSE_SECTION] * bool(lines.reverse))
+    return bench_peers.sections(lines, SECTIONS)

@@ -8,7 +8,6 @@ import bench_peers
 from bench_meshes import DATA
 from bench_peers import markdown, met, number
 
-NAME = "mesh-codecs"
 PROGRAM = pathlib.Path("bench") / "peers" / "relief_mesh_codecs"
 # Those of the folder that are subdivisions of something.
 FILES = ("mushroom.off", "camel.off", "hemisphere.off", "osd_loop_saddle_edgecorner_level4.obj",
