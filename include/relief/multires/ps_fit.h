@@ -50,7 +50,7 @@ class LeastSquares {
     /// The space must outlive this. Errors: `size_mismatch`; `non_finite_input` and
     /// InvalidArgument for a weight that is negative, naming the point; `no_data` if there is no
     /// point of positive weight.
-    /// Complexity: O(points) and O(n^1.5) memory-light pattern of the factors, O(n log n) numbers.
+    /// Complexity: O(points + n).
     [[nodiscard]] static Result<LeastSquares> create(const Space& space, const DataSites& sites,
                                                      Energy energy = Energy::ThinPlate);
     LeastSquares(LeastSquares&&) noexcept;
@@ -61,7 +61,9 @@ class LeastSquares {
     /// that is negative or not a number; BadInput `singular_system` naming a vertex whose
     /// B-splines the data do not determine without smoothing, or "points" that lie on a line (or,
     /// for jumps, on a conic). Complexity: O(points + n^1.5) for given smoothing, ten
-    /// to twelve times that for none. The same bits for any number of threads.
+    /// to twelve times that for none, on two threads. The same bits for any number of threads.
+    /// Where neither data nor smoothing determine the spline, it is the polynomial nearest to the
+    /// data that the energy does not penalise.
     [[nodiscard]] Result<FittedSpline> fit(std::span<const double> values,
                                            std::optional<double> smoothing = {}) const;
 
