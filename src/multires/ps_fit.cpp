@@ -33,6 +33,8 @@ std::uint64_t scrambled(std::uint64_t k) {
     return z ^ (z >> 31);
 }
 
+using Components = std::span<const std::span<const double>>;
+
 double inner_product(std::span<const Heights> a, std::span<const Heights> b) {
     double sum = 0;
     for (std::size_t v = 0; v < a.size(); ++v)
@@ -164,30 +166,42 @@ struct LeastSquares::State {
         return sites.adjoint(factors, kProbes);
     }
 
-    [[nodiscard]] FitReport measured(std::span<const double> values,
-                                     std::span<const Heights> spline) const {
-        std::vector<double> at(values.size());
-        sites.evaluate(spline, at);
+    [[nodiscard]] std::vector<Target> targets(Components components) const {
+        std::vector<Target> targets;
+        for (const auto& values : components) targets.push_back(target(values));
+        return targets;
+    }
+
+    [[nodiscard]] FitReport measured(Components components,
+                                     const std::vector<Coefficients>& splines) const {
         FitReport report;
         double squares = 0;
-        for (std::size_t k = 0; k < at.size(); ++k) {
-            const double off = std::abs(at[k] - values[k]);
-            const double weight = sites.weight(k);
-            squares += weight * off * off;
-            if (weight > 0 && off > report.max_error) {
-                report.max_error = off;
-                report.worst = k;
+        std::vector<double> at(sites.size());
+        for (std::size_t m = 0; m < components.size(); ++m) {
+            sites.evaluate(splines[m], at);
+            for (std::size_t k = 0; k < at.size(); ++k) {
+                const double off = std::abs(at[k] - components[m][k]);
+                const double weight = sites.weight(k);
+                squares += weight * off * off;
+                if (weight > 0 && off > report.max_error) {
+                    report.max_error = off;
+                    report.worst = k;
+                }
             }
         }
-        report.rms_error = std::sqrt(squares / sites.total_weight());
+        report.rms_error =
+            std::sqrt(squares / (sites.total_weight() * static_cast<double>(components.size())));
         return report;
     }
 
-    [[nodiscard]] FittedSpline solved(const Solver& solver, std::span<const double> values,
-                                      const Target& target) const {
-        FittedSpline fitted{solver.solve(target.rest), {}};
-        add(1, target.polynomial, fitted.spline);
-        fitted.report = measured(values, fitted.spline);
+    [[nodiscard]] FittedSplines solved(const Solver& solver, Components components,
+                                       const std::vector<Target>& targets) const {
+        FittedSplines fitted;
+        for (const Target& target : targets) {
+            fitted.components.push_back(solver.solve(target.rest));
+            add(1, target.polynomial, fitted.components.back());
+        }
+        fitted.report = measured(components, fitted.components);
         return fitted;
     }
 
@@ -201,18 +215,18 @@ struct LeastSquares::State {
         return report.rms_error * report.rms_error / (free * free);
     }
 
-    [[nodiscard]] Result<FittedSpline> fit(std::span<const double> values, double smoothing) const {
+    [[nodiscard]] Result<FittedSplines> fit(Components components, double smoothing) const {
         Solver solver(normal);
         RELIEF_CHECK(factor(smoothing, solver));
-        FittedSpline fitted = solved(solver, values, target(values));
+        FittedSplines fitted = solved(solver, components, targets(components));
         fitted.report.smoothing = smoothing;
         return fitted;
     }
 
     /// The power of ten with the least score.
-    [[nodiscard]] Result<FittedSpline> validated(std::span<const double> values) const {
+    [[nodiscard]] Result<FittedSplines> validated(Components components) const {
         const std::vector<Coefficients> signs = probes();
-        const Target wanted = target(values);
+        const std::vector<Target> wanted = targets(components);
         constexpr auto kTrials = static_cast<std::size_t>(kMostPower - kLeastPower + 1);
         std::array<double, kTrials> smoothing{};
         double power = 1e-12;
@@ -222,23 +236,23 @@ struct LeastSquares::State {
         }
         std::array<double, kTrials> scores{};
         scores.fill(std::numeric_limits<double>::infinity());
-        std::array<FittedSpline, kTrials> fits;
+        std::array<FittedSplines, kTrials> fits;
         // Two at a time: factors are the most memory there is.
         parallel_for(0, 2, 1, [&](std::int64_t begin, std::int64_t end) {
             for (std::int64_t half = begin; half < end; ++half) {
                 Solver solver(normal);
                 for (auto k = static_cast<std::size_t>(half); k < kTrials; k += 2) {
                     if (!factor(smoothing[k], solver).ok()) continue;
-                    fits[k] = solved(solver, values, wanted);
+                    fits[k] = solved(solver, components, wanted);
                     fits[k].report.smoothing = smoothing[k];
                     scores[k] = score(solver, fits[k].report, signs);
                 }
             }
         });
         const auto best = std::min_element(scores.begin(), scores.end());
-        FittedSpline& chosen = fits[static_cast<std::size_t>(best - scores.begin())];
-        if (!std::isinf(*best) || !chosen.spline.empty()) return std::move(chosen);
-        return fit(values, smoothing.back());
+        FittedSplines& chosen = fits[static_cast<std::size_t>(best - scores.begin())];
+        if (!std::isinf(*best) || !chosen.components.empty()) return std::move(chosen);
+        return fit(components, smoothing.back());
     }
 
     const Space& space;
@@ -279,20 +293,28 @@ LeastSquares::~LeastSquares() = default;
 
 Result<FittedSpline> LeastSquares::fit(std::span<const double> values,
                                        std::optional<double> smoothing) const {
-    if (values.size() != state_->sites.size())
-        return size_mismatch(values.size(), state_->sites.size(), "values");
-    for (std::size_t k = 0; k < values.size(); ++k)
-        if (!(std::abs(values[k]) <= kLargest))
-            return Error{ErrorCode::BadInput,
-                         "non_finite_input: its value is not a number of at most 1e150; leave the "
-                         "point out or correct it",
-                         "point " + std::to_string(k)};
+    RELIEF_TRY(FittedSplines fitted, fit(Components(&values, 1), smoothing));
+    return FittedSpline{std::move(fitted.components[0]), fitted.report};
+}
+
+Result<FittedSplines> LeastSquares::fit(Components components,
+                                        std::optional<double> smoothing) const {
+    for (const auto& values : components) {
+        if (values.size() != state_->sites.size())
+            return size_mismatch(values.size(), state_->sites.size(), "values");
+        for (std::size_t k = 0; k < values.size(); ++k)
+            if (!(std::abs(values[k]) <= kLargest))
+                return Error{ErrorCode::BadInput,
+                             "non_finite_input: its value is not a number of at most 1e150; leave "
+                             "the point out or correct it",
+                             "point " + std::to_string(k)};
+    }
     if (!state_->unseen_system) return singular("points");
-    if (!smoothing) return state_->validated(values);
+    if (!smoothing) return state_->validated(components);
     if (!(*smoothing >= 0) || std::isinf(*smoothing))
         return Error{ErrorCode::InvalidArgument,
                      "invalid_parameter: smoothing is a number from 0 on", "smoothing"};
-    return state_->fit(values, *smoothing);
+    return state_->fit(components, *smoothing);
 }
 
 void LeastSquares::evaluate(std::span<const Heights> spline, std::span<double> out) const {
