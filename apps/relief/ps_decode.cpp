@@ -137,14 +137,6 @@ Status write_samples(const ps::Surface& surface, const Frame& frame, const std::
     return writer.commit();
 }
 
-/// The place of the numbers of all components in space.
-Result<std::array<double, 3>> in_space(Vec2 place, std::span<const double> values) {
-    if (values.size() == 1) return std::array{place.x, place.y, values[0]};
-    if (values.size() == 3) return std::array{values[0], values[1], values[2]};
-    return Error{ErrorCode::Unsupported,
-                 "two components are no surface in space; decode them as a raster or .csv", ""};
-}
-
 /// The tangent planes of all components. Values that the file holds are exact.
 Result<std::vector<ps::TangentPlanes>> planes_of(const codec::PsFile& file, const PsLevel& level) {
     std::vector<ps::TangentPlanes> components;
@@ -182,15 +174,19 @@ Status write_table(const codec::PsFile& file, const PsLevel& level, const std::s
 }
 
 Result<PolygonMesh> polygons_of(const codec::PsFile& file, const PsLevel& level) {
+    RELIEF_CHECK(check_in_space(file.components()));
     RELIEF_TRY(const auto components, planes_of(file, level));
     const mesh::Triangulation& mesh = level.space().mesh;
     PolygonMesh polygons;
+    MeshAttribute parameters{"uv", 2};
     std::vector<double> values(components.size());
     for (Index v = 0; v < mesh.vertex_count(); ++v) {
         for (std::size_t m = 0; m < components.size(); ++m) values[m] = components[m][v].value;
-        RELIEF_TRY(const auto vertex, in_space(mesh.origin + mesh.vertex(v), values));
-        polygons.vertices.push_back(vertex);
+        const Vec2 place = mesh.origin + mesh.vertex(v);
+        polygons.vertices.push_back(in_space(place, values));
+        parameters.values.insert(parameters.values.end(), {place.x, place.y});
     }
+    if (components.size() == 3) polygons.attributes.push_back(std::move(parameters));
     for (const auto& triangle : mesh.triangles) {
         std::array<std::int32_t, 3> corners{};
         std::copy(triangle.begin(), triangle.end(), corners.begin());

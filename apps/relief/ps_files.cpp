@@ -61,6 +61,17 @@ Result<PsLevel> open_level(const codec::PsFile& file, int level) {
     return PsLevel{std::move(owned), std::move(surface)};
 }
 
+Status check_in_space(int components) {
+    if (components != 2) return {};
+    return Error{ErrorCode::Unsupported,
+                 "two components are no surface in space; decode them as a raster or .csv", ""};
+}
+
+std::array<double, 3> in_space(Vec2 place, std::span<const double> values) {
+    if (values.size() == 3) return {values[0], values[1], values[2]};
+    return {place.x, place.y, values[0]};
+}
+
 Result<io::PointColumns> columns_of(const std::string& text) {
     io::PointColumns columns;
     if (text.empty()) return columns;
@@ -69,13 +80,15 @@ Result<io::PointColumns> columns_of(const std::string& text) {
     for (std::string name; std::getline(fields, name, ',');) names.push_back(name);
     const bool empty =
         std::any_of(names.begin(), names.end(), [](const auto& n) { return n.empty(); });
-    if (names.size() < 3 || names.size() > 4 || empty || text.back() == ',')
+    if (names.size() < 3 || names.size() > 6 || empty || text.back() == ',')
         return Error{ErrorCode::InvalidArgument,
-                     "--columns takes X,Y,VALUE[,WEIGHT], not '" + text + "'", ""};
+                     "--columns takes X,Y,VALUE[,WEIGHT] or U,V,X,Y,Z[,WEIGHT], not '" + text + "'",
+                     ""};
+    const std::ptrdiff_t components = names.size() < 5 ? 1 : 3;
     columns.x = names[0];
     columns.y = names[1];
-    columns.value = names[2];
-    if (names.size() == 4) columns.weight = names[3];
+    columns.values.assign(names.begin() + 2, names.begin() + 2 + components);
+    if (std::ssize(names) > 2 + components) columns.weight = names.back();
     return columns;
 }
 
@@ -108,7 +121,8 @@ Result<Outcome> info_of_points(const std::string& path) {
     const auto [south, north] =
         std::minmax_element(points.places.begin(), points.places.end(),
                             [](const Vec2& a, const Vec2& b) { return a.y < b.y; });
-    const auto [least, most] = std::minmax_element(points.values.begin(), points.values.end());
+    const auto [least, most] =
+        std::minmax_element(points.values[0].begin(), points.values[0].end());
     std::error_code ignored;
     Outcome outcome;
     outcome.json = Json{{"format", "points"},

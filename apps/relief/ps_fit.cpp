@@ -114,13 +114,15 @@ Result<Outcome> fit_points(const FitVerb& verb, const Globals& globals) {
     const Stopwatch watch;
     RELIEF_TRY(const codec::PointMethod method, method_of(verb));
     RELIEF_TRY(const io::PointColumns columns, columns_of(verb.columns));
-    RELIEF_TRY(const io::PointSet points, io::read_points(verb.in, columns));
-    const auto encoded = codec::encode_points({points.places, points.values, points.weights},
-                                              method, verb.goal, progress_bar(globals, "fitting"));
+    RELIEF_TRY(io::PointSet points, io::read_points(verb.in, columns));
+    const codec::PsData data{std::move(points.places), std::move(points.values),
+                             std::move(points.weights)};
+    const auto encoded =
+        codec::encode_points(data, method, verb.goal, progress_bar(globals, "fitting"));
     if (!encoded.ok()) return located(encoded.error(), verb.in);
     RELIEF_CHECK(io::write_file_atomically(verb.out, encoded->bytes));
     Outcome outcome;
-    outcome.json = Json{{"points", points.places.size()}};
+    outcome.json = Json{{"points", data.points.size()}};
     outcome.json.update(report_json(encoded->report));
     outcome.json.update(Json{{"smoothing", json_number(encoded->smoothing)},
                              {"merged", encoded->merged},
@@ -153,8 +155,64 @@ Result<mesh::Triangulation> triangulation_of(const PolygonMesh& polygons, const 
     return mesh;
 }
 
-Result<Outcome> encode_triangles(const std::string& in, const std::string& out,
-                                 const SchemeOptions& scheme, const codec::Goal& goal,
+namespace {
+
+/// A mesh in the plane of its texture coordinates.
+struct Unwrapped {
+    PolygonMesh mesh;
+    std::vector<std::int32_t> origin;  ///< of each vertex that in space
+};
+
+/// Vertices with several texture coordinates, at seams, become several vertices.
+Result<Unwrapped> unwrap(const PolygonMesh& mesh, const std::string& path) {
+    const MeshAttribute* uv = mesh.attribute("uv");
+    if (uv == nullptr)
+        return Error{ErrorCode::BadInput, "has no texture coordinates, which --uv needs", path};
+    using VertexElement = std::array<std::int32_t, 2>;
+    std::vector<VertexElement> corners;
+    for (std::size_t k = 0; k < mesh.corners.size(); ++k) {
+        const std::int32_t element = uv->face_varying() ? uv->corners[k] : mesh.corners[k];
+        if (element < 0)
+            return Error{ErrorCode::BadInput, "has faces without texture coordinates", path};
+        corners.push_back({mesh.corners[k], element});
+    }
+    std::vector<VertexElement> vertices = corners;
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    Unwrapped flat;
+    for (const auto& [vertex, element] : vertices) {
+        flat.mesh.vertices.push_back({uv->element(element)[0], uv->element(element)[1], 0});
+        flat.origin.push_back(vertex);
+    }
+    flat.mesh.offsets = mesh.offsets;
+    for (const VertexElement& corner : corners) {
+        const auto found = std::lower_bound(vertices.begin(), vertices.end(), corner);
+        flat.mesh.corners.push_back(static_cast<std::int32_t>(found - vertices.begin()));
+    }
+    return flat;
+}
+
+/// The heights of a mesh over the plane, or its vertices over that of its texture coordinates.
+Result<codec::PsModel> model_of(const PolygonMesh& polygons, const TrianglesVerb& verb) {
+    codec::PsValues values;
+    if (!verb.over_uv) {
+        RELIEF_TRY(mesh::Triangulation base, triangulation_of(polygons, verb.in));
+        values.components.resize(1);
+        for (const auto& v : polygons.vertices) values.components[0].push_back(v[2]);
+        return codec::PsModel{std::move(base), std::move(values)};
+    }
+    RELIEF_TRY(const Unwrapped flat, unwrap(polygons, verb.in));
+    RELIEF_TRY(mesh::Triangulation base, triangulation_of(flat.mesh, verb.in));
+    values.components.resize(3);
+    for (const std::int32_t vertex : flat.origin)
+        for (std::size_t m = 0; m < 3; ++m)
+            values.components[m].push_back(polygons.vertices[static_cast<std::size_t>(vertex)][m]);
+    return codec::PsModel{std::move(base), std::move(values)};
+}
+
+}  // namespace
+
+Result<Outcome> encode_triangles(const TrianglesVerb& verb, const SchemeOptions& scheme,
                                  const Globals& globals) {
     const Stopwatch watch;
     SchemeOptions plain;
@@ -164,19 +222,16 @@ Result<Outcome> encode_triangles(const std::string& in, const std::string& out,
                      "--scheme powell-sabin takes a mesh as it is: --levels and options of other "
                      "schemes do not apply",
                      ""};
-    RELIEF_TRY(const PolygonMesh polygons, read_polygons(in));
-    RELIEF_TRY(mesh::Triangulation base, triangulation_of(polygons, in));
-    std::vector<double> heights;
-    for (const auto& v : polygons.vertices) heights.push_back(v[2]);
-    const codec::PsModel model{std::move(base), codec::PsValues{{std::move(heights)}}};
+    RELIEF_TRY(const PolygonMesh polygons, read_polygons(verb.in));
+    RELIEF_TRY(const codec::PsModel model, model_of(polygons, verb));
     const auto encoded =
-        codec::encode_ps(model, {.goal = goal, .progress = progress_bar(globals, "encoding")});
-    if (!encoded.ok()) return located(encoded.error(), in);
-    RELIEF_CHECK(io::write_file_atomically(out, encoded->bytes));
+        codec::encode_ps(model, {.goal = verb.goal, .progress = progress_bar(globals, "encoding")});
+    if (!encoded.ok()) return located(encoded.error(), verb.in);
+    RELIEF_CHECK(io::write_file_atomically(verb.out, encoded->bytes));
     Outcome outcome;
     outcome.json = report_json(encoded->report);
     outcome.json["seconds"] = watch.seconds();
-    outcome.text = text_of(out, encoded->report, "vertices");
+    outcome.text = text_of(verb.out, encoded->report, "vertices");
     return outcome;
 }
 

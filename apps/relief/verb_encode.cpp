@@ -21,6 +21,7 @@ struct Encode {
     bool surface = false;
     bool reorder = false;
     bool repair = false;
+    bool over_uv = false;
     std::optional<double> alpha;
     std::string lift;
 };
@@ -114,10 +115,14 @@ Result<Outcome> run(const Encode& options, const Globals& globals) {
     const Stopwatch watch;
     codec::EncodeOptions encode;
     RELIEF_TRY(encode.goal, goal_of(options));
+    if (options.over_uv && (options.scheme.scheme != "powell-sabin" || !is_mesh(options.in)))
+        return Error{ErrorCode::InvalidArgument, "--uv is for meshes with --scheme powell-sabin",
+                     ""};
     if (is_points(options.in)) return encode_points(options, encode.goal, globals);
     if (is_mesh(options.in)) {
         if (options.scheme.scheme == "powell-sabin")
-            return encode_triangles(options.in, options.out, options.scheme, encode.goal, globals);
+            return encode_triangles({options.in, options.out, encode.goal, options.over_uv},
+                                    options.scheme, globals);
         RELIEF_TRY(const bool subdivision, is_subdivision(options.in, options.scheme));
         if (subdivision)
             return encode_mesh(mesh_verb(options, encode.goal), options.scheme, globals);
@@ -197,6 +202,9 @@ void add_encode(Program& program) {
         "--alpha", options->alpha,
         "sqrt3: weight of the neighbours in the new place of a vertex, from 0 to below "
         "2/3; default: by valence");
+    verb->add_flag("--uv", options->over_uv,
+                   "meshes with --scheme powell-sabin: the triangles lie in the plane of their "
+                   "texture coordinates, and x, y, z are a smooth surface in space over it");
     verb->add_flag("--repair", options->repair,
                    "meshes: first mend what is no oriented manifold: see 'relief info'");
 }

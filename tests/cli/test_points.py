@@ -320,6 +320,113 @@ class Triangles(Points):
         self.refuse(2, "encode", folded, out, "--scheme", "powell-sabin", "--levels", 2, says="--levels")
 
 
+class Parametric(Points):
+    """Surfaces in space over the plane of their parameters u and v."""
+
+    @staticmethod
+    def ring(u, v):
+        """Part of a torus of radii 3 and 1: it stands upright, which no function over x and y does."""
+        return np.column_stack([(3 + np.cos(v)) * np.cos(u), (3 + np.cos(v)) * np.sin(u), np.sin(v)])
+
+    def rows(self, count, noise=0.0):
+        places = scattered(count, wavy)[:, :2]
+        return np.hstack([places, self.ring(*places.T) + np.random.default_rng(2).normal(0, noise, (count, 3))])
+
+    def setUp(self):
+        super().setUp()
+        self.data = self.rows(800)
+        self.source = self.points(self.data, "ring.csv", "u,v,x,y,z\n", ",")
+        self.columns = ("--columns", "u,v,x,y,z")
+
+    def off(self, file, rows):
+        return np.linalg.norm(self.evaluated(file, rows[:, :2]) - rows[:, 2:], axis=1)
+
+    def test_through_all_points(self):
+        file, report = self.fitted(self.source, *self.columns)
+        self.assertEqual((report["points"], report["vertices"], report["samples"]), (800, 800, 2400))
+        self.assertLess(np.max(self.off(file, self.data)), 1e-12)
+        self.assertEqual(self.json("info", file)["components"], 3)
+        # Parameters u, v and the ring between the points; the mesh is 0.2 wide.
+        inside = np.random.default_rng(4).uniform((0.3, 0.3), (5.7, 4.7), (500, 2))
+        self.assertLess(np.max(self.off(file, np.hstack([inside, self.ring(*inside.T)]))), 0.05)
+        same = self.json("compare", self.source, file, *self.columns)
+        self.assertLess(same["max_error"], 1e-12)
+        self.assertEqual(same["samples"], 2400)
+        self.refuse(1, "compare", self.source, file, "--columns", "u,v,x", says=(file, "--columns"))
+
+    def test_columns_by_number_and_weights(self):
+        weighted = np.hstack([self.data, np.ones((800, 1))])
+        file, _ = self.fitted(self.points(weighted), "--columns", "1,2,3,4,5,6")
+        self.assertEqual(contents_of(file), contents_of(self.fitted(self.source, *self.columns)[0]))
+        self.refuse(2, "fit", self.source, file, "--columns", "u,v,x,y,z,w,q", says="U,V,X,Y,Z")
+        self.refuse(1, "fit", self.source, file, "--columns", "u,v,x,y,q", says="no column is called 'q'")
+
+    def test_bounds(self):
+        file, report = self.fitted(self.source, *self.columns, "--max-error", 0.01, "--gradients", "adaptive")
+        worst = np.max(np.abs(self.evaluated(file, self.data[:, :2]) - self.data[:, 2:]))
+        self.assertLessEqual(worst, 0.01)
+        self.assertAlmostEqual(worst, report["max_error"], delta=1e-12)
+        self.refuse(2, "fit", self.source, file, *self.columns, "--max-error", 0.01, says="one value a point")
+
+    def test_least_squares_do_not_depend_on_axes(self):
+        rows = self.rows(3000, noise=0.1)
+        turn = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
+        turned = np.hstack([rows[:, :2], rows[:, 2:] @ turn])
+        inside = np.random.default_rng(4).uniform((0.3, 0.3), (5.7, 4.7), (500, 2))
+        found = []
+        for name, data in (("a.csv", rows), ("b.csv", turned)):
+            file, report = self.fitted(self.points(data, name, "u,v,x,y,z\n", ","), *self.columns,
+                                       "--vertices", 300, "--lossless")
+            found.append((report["smoothing"], self.evaluated(file, inside)))
+        self.assertEqual(found[0][0], found[1][0])
+        # Less than the noise, of which 3000 points leave a part.
+        self.assertLess(np.sqrt(np.mean(np.square(found[0][1] - self.ring(*inside.T)))), 0.07)
+        # The condition of the normal equations times rounding.
+        np.testing.assert_allclose(found[0][1] @ turn, found[1][1], atol=1e-9)
+
+    def test_decoded_and_drawn(self):
+        file, _ = self.fitted(self.source, *self.columns, "--lossless")
+        mesh = self.path("ring.obj")
+        self.json("decode", file, mesh)
+        with open(mesh, encoding="ascii") as lines:
+            words = [line.split() for line in lines]
+        vertices = np.array([w[1:] for w in words if w[0] == "v"], float)
+        uv = np.array([w[1:] for w in words if w[0] == "vt"], float)
+        np.testing.assert_allclose(vertices, self.ring(*uv.T), atol=1e-12)
+        self.json("decode", file, self.path("ring.csv2.csv"))
+        self.assertEqual(rows_of(self.path("ring.csv2.csv"))[0],
+                         "x y value1 dx1 dy1 value2 dx2 dy2 value3 dx3 dy3".split())
+        self.json("decode", file, self.path("ring.vtu"))
+        points = read_vtu(self.path("ring.vtu"))[1]["points"].reshape(-1, 3)
+        # Control points are as near to the ring as triangles are small.
+        around = np.hypot(points[:, 0], points[:, 1])
+        self.assertLess(np.median(np.abs(np.hypot(around - 3, points[:, 2]) - 1)), 0.02)
+        for options in (("--style", "wire"), ("--style", "wire", "--level", 0), ("--style", "surface"), ()):
+            picture = self.path("ring.png")
+            self.assertEqual(self.json("render", file, picture, "--width", 200, *options)["width"], 200)
+        # The same surface of the mesh with its texture coordinates.
+        again, report = self.encoded(mesh, "--scheme", "powell-sabin", "--uv")
+        self.assertEqual(report["vertices"], 800)
+        self.assertLess(np.max(self.off(again, self.data)), 1e-12)
+
+    def test_seams_of_texture_coordinates(self):
+        mesh = self.path("seam.obj")
+        with open(mesh, "w", encoding="ascii") as file:
+            file.write("v 0 0 0\nv 1 0 1\nv 0 1 2\nv 1 1 4\n"
+                       "vt 0 0\nvt 1 0\nvt 0 1\nvt 5 0\nvt 5 1\nvt 4 1\n"
+                       "f 1/1 2/2 3/3\nf 2/4 4/5 3/6\n")
+        file, report = self.encoded(mesh, "--scheme", "powell-sabin", "--uv")
+        self.assertEqual((report["vertices"], report["triangles"]), (6, 2))
+        found = self.evaluated(file, [(1, 0), (5, 0), (4, 1), (0, 1), (5, 1), (3, 0)])
+        np.testing.assert_allclose(found[:5], [(1, 0, 1), (1, 0, 1), (0, 1, 2), (0, 1, 2), (1, 1, 4)], atol=1e-12)
+        self.assertTrue(np.isnan(found[5]).all())
+        self.refuse(2, "encode", mesh, file, "--uv", says="--uv is for meshes")
+        bare = self.path("bare.obj")
+        with open(bare, "w", encoding="ascii") as out:
+            out.write("v 0 0 0\nv 1 0 1\nv 0 1 2\nf 1 2 3\n")
+        self.refuse(1, "encode", bare, file, "--scheme", "powell-sabin", "--uv", says="no texture coordinates")
+
+
 class Decoding(Points):
     def setUp(self):
         super().setUp()
