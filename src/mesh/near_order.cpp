@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "mesh/twins.h"
-
 namespace relief::mesh {
 
 namespace {
@@ -22,6 +20,7 @@ class Search {
         std::fill_n(vertex_.data(), vertex_.size(), kNone);
         Topology& near = result_.mesh;
         near.vertex_count = mesh.vertex_count;
+        near.edge_count = mesh.edge_count;
         near.face_count = mesh.face_count;
         near.sides = mesh.sides;
         near.origin = Buffer<Index>(mesh.origin.size());
@@ -40,7 +39,6 @@ class Search {
                 write(written);
             }
         }
-        number_edges(result_.mesh);
         return std::move(result_);
     }
 

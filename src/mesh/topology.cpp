@@ -4,6 +4,7 @@
 #include <string>
 
 #include "mesh/twins.h"
+#include "relief/mesh/near_order.h"
 
 namespace relief::mesh {
 

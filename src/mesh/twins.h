@@ -23,7 +23,4 @@ namespace relief::mesh {
 void set_faces(std::span<const std::int64_t> offsets, std::span<const Index> corners,
                Topology& mesh);
 
-/// Sets the numbers of edges of a mesh whose twins are there.
-void number_edges(Topology& mesh);
-
 }  // namespace relief::mesh

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "multires/mesh_descent.h"
@@ -32,6 +31,7 @@ struct NearMesh {
         for (std::size_t v = 0; v < numbers.vertices.size() && !its_tags.corner.empty(); ++v)
             tags.corner.push_back(its_tags.corner[numbers.vertices[v]]);
         if (its_tags.sharp.empty()) return;
+        mesh::number_edges(numbers.mesh);
         tags.sharp.resize(mesh.edge_count);
         for (Index h = 0; h < mesh.half_edge_count(); ++h)
             tags.sharp[numbers.mesh.edge[h]] = its_tags.sharp[mesh.edge[numbers.half_edge(h)]];
@@ -56,8 +56,8 @@ struct Searched {
     }
 };
 
-/// Half-edges of the finest level of the hierarchy over a base, as the mesh has them. here: of the
-/// base, as levels.back() has them.
+/// Where the faces of the finest level of the hierarchy over a base begin in the mesh. here:
+/// half-edges of the base, as levels.back() has them.
 Result<Buffer<Index>> climb(const Searched& searched, const Topology& base, Buffer<Index> here) {
     const Topology* canonical = &base;
     Topology finer;
@@ -71,9 +71,13 @@ Result<Buffer<Index>> climb(const Searched& searched, const Topology& base, Buff
         finer = std::move(next);
         canonical = &finer;
     }
-    for (Index h = 0; searched.numbers && h < here.size(); ++h)
-        here[h] = searched.numbers->half_edge(here[h]);
-    return here;
+    const auto sides = static_cast<Index>(searched.mesh.sides);
+    Buffer<Index> corners(searched.mesh.face_count);
+    for (Index f = 0; f < corners.size(); ++f) {
+        const Index h = here[sides * f];
+        corners[f] = searched.numbers ? searched.numbers->half_edge(h) : h;
+    }
+    return corners;
 }
 
 /// What tells the order of a base's faces and corners: numbers in the mesh of what they give, which
@@ -266,18 +270,22 @@ Result<MeshOrigin> origin_of(const Topology& mesh, std::span<const Vec3<double>>
     if (last.in_order) {
         origin.base = std::move(last.unsplit.mesh);
         origin.tags = std::move(last.tags);
-        origin.half_edges = Buffer<Index>(mesh.half_edge_count());
-        std::iota(origin.half_edges.data(), origin.half_edges.data() + mesh.half_edge_count(),
-                  Index{0});
         return origin;
     }
     RELIEF_TRY(Arranged base,
                arranged(searched, scheme == MeshScheme::Sqrt3 ? keys_of_edges(searched)
                                                               : keys_of_corners(searched)));
-    RELIEF_TRY(origin.half_edges, climb(searched, base.base, std::move(base.half_edges)));
+    RELIEF_TRY(origin.corners, climb(searched, base.base, std::move(base.half_edges)));
     origin.tags = std::move(base.tags);
     origin.base = std::move(base.base);
     return origin;
+}
+
+bool MeshOrigin::in_order() const {
+    const auto sides = static_cast<Index>(mesh::sides_after(spec.split(0)));
+    for (Index f = 0; f < corners.size(); ++f)
+        if (corners[f] != sides * f) return false;
+    return true;
 }
 
 Result<MeshOrigin> renumbered(const MeshOrigin& origin, std::span<const Index> vertices,
@@ -321,8 +329,10 @@ Result<MeshOrigin> renumbered(const MeshOrigin& origin, std::span<const Index> v
         here.assign(finer.data(), finer.data() + finer.size());
         RELIEF_TRY(mine, mesh::refine(mine, split));
     }
-    result.half_edges = Buffer<Index>(here.size());
-    for (std::size_t h = 0; h < here.size(); ++h) result.half_edges[h] = origin.half_edges[here[h]];
+    const auto sides = static_cast<Index>(mine.sides);
+    result.corners = Buffer<Index>(mine.face_count);
+    for (Index f = 0; f < mine.face_count; ++f)
+        result.corners[f] = origin.half_edge(here[sides * f]);
     return result;
 }
 

@@ -10,7 +10,8 @@ namespace {
 
 /// The same mesh: corners, twins, and what `build` numbers.
 void expect_same(const Topology& mesh) {
-    const Renumbered near = near_order(mesh);
+    Renumbered near = near_order(mesh);
+    number_edges(near.mesh);
     ASSERT_EQ(near.mesh.edge_count, mesh.edge_count);
     for (Index h = 0; h < mesh.half_edge_count(); ++h) {
         const Index old = near.half_edge(h);

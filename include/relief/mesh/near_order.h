@@ -6,7 +6,8 @@
 /// 4.1.
 namespace relief::mesh {
 
-/// A mesh in other numbers. Faces begin with the same corners.
+/// A mesh in other numbers. Faces begin with the same corners. Edges are counted, but have no
+/// numbers: see number_edges.
 struct Renumbered {
     Topology mesh;
     Buffer<Index> vertices;  ///< [vertex]: its number so far
@@ -23,5 +24,8 @@ struct Renumbered {
 /// vertices as faces name them. Requires: faces of 3 or of 4 sides. Complexity: O(n), of which one
 /// visit to each face is in the order of its neighbours, all else in that of memory.
 [[nodiscard]] Renumbered near_order(const Topology& mesh);
+
+/// Sets the numbers of edges of a mesh whose twins are there, and their count. Complexity: O(n).
+void number_edges(Topology& mesh);
 
 }  // namespace relief::mesh
