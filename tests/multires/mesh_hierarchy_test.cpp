@@ -142,6 +142,27 @@ TEST(MeshOrigin, ShuffledHierarchies) {
     }
 }
 
+/// Closed Catmull-Clark meshes may be seen as made around their vertices or around their faces.
+/// Where noise is larger than what subdivision smooths, nearness can not tell, but only one of both
+/// goes on.
+TEST(MeshOrigin, NoiseDoesNotEndTheDescent) {
+    const Case c{"quads", test::double_torus(), MeshScheme::CatmullClark, 3};
+    const MeshHierarchy hierarchy = hierarchy_of(c);
+    for (const unsigned seed : {1U, 2U, 3U, 4U}) {
+        const Points points = noisy(surface(hierarchy, c.base, 0), seed, 0.5);
+        test::Shape fine{mesh::faces_of(hierarchy.topology(c.steps)), {}};
+        for (const auto& p : points) fine.points.push_back({p.x, p.y, p.z});
+        const test::Shape mixed = test::shuffled(fine, seed);
+        const auto found = origin_of(mixed.topology(), points_of(mixed), {}, c.scheme, 30);
+        ASSERT_TRUE(found.ok());
+        EXPECT_EQ(found->steps, 3);
+        // Neither base goes on, so that noise may choose there; both give the same first level.
+        const auto first = mesh::refine(found->base, mesh::Split::CatmullClark);
+        EXPECT_EQ(first->face_count, hierarchy.topology(1).face_count);
+        EXPECT_EQ(first->vertex_count, hierarchy.topology(1).vertex_count);
+    }
+}
+
 /// A mesh that was made by subdivision gives back what it was made of, in its order.
 TEST(MeshOrigin, OrderComesBack) {
     for (const Case& c : cases()) {
