@@ -50,22 +50,24 @@ Json bands_json(const codec::PsFile& file) {
 std::string text_of(const codec::PsFile& file, const std::string& path, const Json& levels,
                     bool sound) {
     const auto [low_x, low_y, high_x, high_y] = file.extent();
+    const auto& [crs, unit_name] = file.reference();
+    const std::string unit = unit_name.empty() ? "" : " " + unit_name;
     std::string text = fmt::format(
         "{}: relief version {}, {} bytes, checksums {}\n"
         "scheme powell-sabin on {} vertices and {} triangles{}, {} levels, {}\n"
-        "x {} .. {}, y {} .. {}\n",
+        "x {} .. {}, y {} .. {}{}\n",
         path, file.version(), grouped(static_cast<std::int64_t>(file.size())),
         sound ? "hold" : "DO NOT HOLD", grouped(static_cast<std::int64_t>(file.counts(0).vertices)),
         grouped(static_cast<std::int64_t>(file.counts(0).triangles)),
         file.delaunay() ? " (Delaunay)" : "", file.levels(),
         file.holds_values() ? "values at vertices" : "coefficients", shown(low_x), shown(high_x),
-        shown(low_y), shown(high_y));
+        shown(low_y), shown(high_y), crs.empty() ? "" : ", " + crs);
     if (file.edited())
         text += fmt::format("edited by {} move{}\n", file.moves().size(),
                             file.moves().size() == 1 ? "" : "s");
     else
-        text += fmt::format("max error {}, rms error {}\n", shown(file.max_error()),
-                            shown(file.rms_error()));
+        text += fmt::format("max error {}{}, rms error {}{}\n", shown(file.max_error()), unit,
+                            shown(file.rms_error()), unit);
     text += "level     vertices    triangles      bytes to read   surface within\n";
     for (const Json& level : levels)
         text += fmt::format(
@@ -150,7 +152,8 @@ Result<Outcome> info_of_ps(const std::string& path) {
                         {"bound", json_number(file.bound(0))},
                         {"surface_bound", json_number(file.surface_bound(0))},
                         {"edits", file.moves().size()},
-                        {"crs", ""},
+                        {"unit", file.reference().unit},
+                        {"crs", file.reference().crs},
                         {"extent", file.extent()},
                         {"checksums_ok", sound}};
     outcome.text = text_of(file, path, levels, sound);

@@ -6,6 +6,7 @@
 #include "mesh_verbs.h"
 #include "ps_verbs.h"
 #include "relief/codec/point_codec.h"
+#include "relief/io/crs.h"
 #include "relief/io/file.h"
 
 namespace relief::cli {
@@ -81,15 +82,17 @@ Json report_json(const codec::PsReport& report) {
     return json;
 }
 
-std::string text_of(const std::string& out, const codec::PsReport& report, const char* what) {
+std::string text_of(const std::string& out, const codec::PsReport& report, const char* what,
+                    const codec::PsReference& reference) {
+    const std::string unit = reference.unit.empty() ? "" : " " + reference.unit;
     return fmt::format(
         "{}: {} {} -> {} bytes, {:.4g} bits each\n"
         "scheme powell-sabin on {} vertices and {} triangles, {} levels; {} of {} numbers kept\n"
-        "max error {}, rms error {}\n",
+        "max error {}{}, rms error {}{}\n",
         out, grouped(report.samples), what, grouped(static_cast<std::int64_t>(report.bytes)),
         report.bits_per_sample, grouped(report.vertices), grouped(report.triangles), report.levels,
-        grouped(report.kept), grouped(report.coefficients), shown(report.max_error),
-        shown(report.rms_error));
+        grouped(report.kept), grouped(report.coefficients), shown(report.max_error), unit,
+        shown(report.rms_error), unit);
 }
 
 std::string notes_of(const codec::EncodedPoints& encoded, const std::optional<codec::Goal>& goal) {
@@ -110,13 +113,29 @@ std::string notes_of(const codec::EncodedPoints& encoded, const std::optional<co
 
 }  // namespace
 
+void ReferenceOptions::add_to(CLI::App& verb) {
+    verb.add_option("--crs", crs,
+                    "of the coordinates of points or triangles: EPSG:26911, WKT, a PROJ string or "
+                    "a .prj file; kept in the file, and written to rasters decoded from it");
+    verb.add_option("--unit", unit, "of their values: m, ft, ..; kept likewise");
+}
+
+Result<codec::PsReference> ReferenceOptions::reference() const {
+    codec::PsReference reference{"", unit};
+    if (crs.empty()) return reference;
+    RELIEF_TRY(reference.crs, io::crs_from_user(crs));
+    return reference;
+}
+
 Result<Outcome> fit_points(const FitVerb& verb, const Globals& globals) {
     const Stopwatch watch;
     RELIEF_TRY(const codec::PointMethod method, method_of(verb));
     RELIEF_TRY(const io::PointColumns columns, columns_of(verb.columns));
+    RELIEF_TRY(const codec::PsReference reference, verb.reference.reference());
     RELIEF_TRY(const io::PointSet points, io::read_points(verb.in, columns));
-    const auto encoded = codec::encode_points({points.places, points.values, points.weights},
-                                              method, verb.goal, progress_bar(globals, "fitting"));
+    const auto encoded =
+        codec::encode_points({points.places, points.values, points.weights}, method, verb.goal,
+                             progress_bar(globals, "fitting"), reference);
     if (!encoded.ok()) return located(encoded.error(), verb.in);
     RELIEF_CHECK(io::write_file_atomically(verb.out, encoded->bytes));
     Outcome outcome;
@@ -128,7 +147,8 @@ Result<Outcome> fit_points(const FitVerb& verb, const Globals& globals) {
                              {"beyond", encoded->beyond},
                              {"reason", encoded->reason},
                              {"seconds", watch.seconds()}});
-    outcome.text = text_of(verb.out, encoded->report, "points") + notes_of(*encoded, verb.goal);
+    outcome.text =
+        text_of(verb.out, encoded->report, "points", reference) + notes_of(*encoded, verb.goal);
     return outcome;
 }
 
@@ -155,7 +175,7 @@ Result<mesh::Triangulation> triangulation_of(const PolygonMesh& polygons, const 
 
 Result<Outcome> encode_triangles(const std::string& in, const std::string& out,
                                  const SchemeOptions& scheme, const codec::Goal& goal,
-                                 const Globals& globals) {
+                                 const ReferenceOptions& options, const Globals& globals) {
     const Stopwatch watch;
     SchemeOptions plain;
     plain.scheme = scheme.scheme;
@@ -164,11 +184,13 @@ Result<Outcome> encode_triangles(const std::string& in, const std::string& out,
                      "--scheme powell-sabin takes a mesh as it is: --levels and options of other "
                      "schemes do not apply",
                      ""};
+    RELIEF_TRY(const codec::PsReference reference, options.reference());
     RELIEF_TRY(const PolygonMesh polygons, read_polygons(in));
     RELIEF_TRY(mesh::Triangulation base, triangulation_of(polygons, in));
     std::vector<double> heights;
     for (const auto& v : polygons.vertices) heights.push_back(v[2]);
-    const codec::PsModel model{std::move(base), codec::PsValues{{std::move(heights)}}};
+    const codec::PsModel model{
+        std::move(base), codec::PsValues{{std::move(heights)}}, {}, reference};
     const auto encoded =
         codec::encode_ps(model, {.goal = goal, .progress = progress_bar(globals, "encoding")});
     if (!encoded.ok()) return located(encoded.error(), in);
@@ -176,7 +198,7 @@ Result<Outcome> encode_triangles(const std::string& in, const std::string& out,
     Outcome outcome;
     outcome.json = report_json(encoded->report);
     outcome.json["seconds"] = watch.seconds();
-    outcome.text = text_of(out, encoded->report, "vertices");
+    outcome.text = text_of(out, encoded->report, "vertices", reference);
     return outcome;
 }
 

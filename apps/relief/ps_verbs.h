@@ -41,6 +41,18 @@ inline constexpr const char* kColumnsHelp =
     "X,Y,VALUE[,WEIGHT] of points: names or numbers (from 1) of columns; default: by known names, "
     "else the first three";
 
+/// What coordinates and values are, as options.
+struct ReferenceOptions {
+    std::string crs = {};
+    std::string unit = {};
+
+    void add_to(CLI::App& verb);
+    /// Errors: InvalidArgument for a CRS that is not known.
+    [[nodiscard]] Result<codec::PsReference> reference() const;
+
+    friend bool operator==(const ReferenceOptions&, const ReferenceOptions&) = default;
+};
+
 struct FitVerb {
     std::string in;
     std::string out;
@@ -51,12 +63,14 @@ struct FitVerb {
     std::string gradients = {};
     int levels = 0;
     std::string columns = {};
+    ReferenceOptions reference = {};
 };
 [[nodiscard]] Result<Outcome> fit_points(const FitVerb& verb, const Globals& globals);
 
 /// Triangles over the plane, with values at their vertices.
 [[nodiscard]] Result<Outcome> encode_triangles(const std::string& in, const std::string& out,
                                                const SchemeOptions& scheme, const codec::Goal& goal,
+                                               const ReferenceOptions& reference,
                                                const Globals& globals);
 /// The triangulation of a mesh of triangles over the plane, as seen from above. Errors:
 /// `not_a_triangle` and those of mesh::build.

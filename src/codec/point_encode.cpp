@@ -46,6 +46,14 @@ struct OwnedData {
     }
 };
 
+/// What encode_points is asked, but for the method.
+struct Task {
+    const ps::ScatteredData& data;
+    const std::optional<Goal>& goal;
+    const Progress& progress;
+    const PsReference& reference;
+};
+
 Status check(const ps::ScatteredData& data) {
     const std::size_t points = data.points.size();
     if (data.values.size() != points || (!data.weights.empty() && data.weights.size() != points))
@@ -98,15 +106,16 @@ std::vector<double> means(const ps::ScatteredData& data, const mesh::Delaunay& d
     return means;
 }
 
-Result<EncodedPoints> interpolate(const ps::ScatteredData& data, const Interpolation& method,
-                                  const std::optional<Goal>& goal, const Progress& progress) {
+Result<EncodedPoints> interpolate(const Task& task, const Interpolation& method) {
+    const ps::ScatteredData& data = task.data;
     RELIEF_TRY(mesh::Delaunay delaunay, mesh::delaunay(data.points));
     PsValues values{{means(data, delaunay)}, method.gradients};
     EncodedPoints result;
     result.merged = data.points.size() - delaunay.mesh.vertex_count();
-    const PsModel model{std::move(delaunay.mesh), std::move(values), OwnedData(data).measured()};
-    RELIEF_TRY(EncodedPs encoded,
-               encode(model, goal.value_or(Goal{Goal::Kind::Lossless, 0}), false, progress));
+    const PsModel model{std::move(delaunay.mesh), std::move(values), OwnedData(data).measured(),
+                        task.reference};
+    const Goal exact{Goal::Kind::Lossless, 0};
+    RELIEF_TRY(EncodedPs encoded, encode(model, task.goal.value_or(exact), false, task.progress));
     result.bytes = std::move(encoded.bytes);
     result.report = encoded.report;
     return result;
@@ -148,8 +157,8 @@ Located locate(const mesh::Triangulation& mesh, const ps::ScatteredData& all) {
     return found;
 }
 
-Result<EncodedPoints> approximate(const ps::ScatteredData& data, const Approximation& method,
-                                  const std::optional<Goal>& goal, const Progress& progress) {
+Result<EncodedPoints> approximate(const Task& task, const Approximation& method) {
+    const ps::ScatteredData& data = task.data;
     const auto* given = std::get_if<mesh::Triangulation>(&method.base);
     mesh::Triangulation base;
     if (given != nullptr) {
@@ -178,10 +187,11 @@ Result<EncodedPoints> approximate(const ps::ScatteredData& data, const Approxima
     result.smoothing = fitted.report.smoothing;
     const double rms = fitted.report.rms_error;
     const PsModel model{std::move(base), PsSplines{method.levels, {std::move(fitted.spline)}},
-                        std::move(located.data).measured()};
+                        std::move(located.data).measured(), task.reference};
     const Goal close = rms > 0 ? Goal{Goal::Kind::RmsError, (1 + kNegligible) * rms}
                                : Goal{Goal::Kind::Lossless, 0};
-    RELIEF_TRY(EncodedPs encoded, encode(model, goal.value_or(close), given != nullptr, progress));
+    RELIEF_TRY(EncodedPs encoded,
+               encode(model, task.goal.value_or(close), given != nullptr, task.progress));
     result.bytes = std::move(encoded.bytes);
     result.report = encoded.report;
     return result;
@@ -202,13 +212,14 @@ Result<std::size_t> count_beyond(const ps::ScatteredData& data, Bytes bytes, dou
 }
 
 /// The spline within a share of the bound, coded within all of it.
-Result<EncodedPoints> insert_within(const ps::ScatteredData& data, const Insertion& method,
-                                    double bound, double share, const Progress& progress) {
+Result<EncodedPoints> insert_within(const Task& task, const Insertion& method, double share) {
+    const ps::ScatteredData& data = task.data;
+    const double bound = task.goal->value;
     RELIEF_TRY(ps::AdaptiveSurface surface,
                ps::fit_within(data, {.max_error = share * bound,
                                      .most_vertices = method.most_vertices,
                                      .smoothing = method.smoothing.value_or(kSmoothing),
-                                     .progress = progress}));
+                                     .progress = task.progress}));
     const double error = surface.report.max_error;
     const bool limited = surface.space.mesh.vertex_count() >= method.most_vertices;
     if (error > bound && !limited)
@@ -217,8 +228,8 @@ Result<EncodedPoints> insert_within(const ps::ScatteredData& data, const Inserti
     result.smoothing = surface.report.smoothing;
     const Goal goal{Goal::Kind::MaxError, error > bound ? error + kCodeShare * bound : bound};
     const PsModel model{std::move(surface.space.mesh), PsSplines{0, {std::move(surface.spline)}},
-                        OwnedData(data).measured()};
-    RELIEF_TRY(EncodedPs encoded, encode(model, goal, false, progress));
+                        OwnedData(data).measured(), task.reference};
+    RELIEF_TRY(EncodedPs encoded, encode(model, goal, false, task.progress));
     result.bytes = std::move(encoded.bytes);
     result.report = encoded.report;
     if (result.report.max_error > bound) {
@@ -255,12 +266,12 @@ Conflict worst_conflict(const ps::ScatteredData& data) {
     return worst;
 }
 
-Result<EncodedPoints> insert(const ps::ScatteredData& data, const Insertion& method,
-                             const std::optional<Goal>& goal, const Progress& progress) {
-    if (!goal || goal->kind != Goal::Kind::MaxError || !(goal->value >= 0))
+Result<EncodedPoints> insert(const Task& task, const Insertion& method) {
+    const ps::ScatteredData& data = task.data;
+    if (!task.goal || task.goal->kind != Goal::Kind::MaxError || !(task.goal->value >= 0))
         return Error{ErrorCode::InvalidArgument,
                      "vertices are inserted for a largest error, a number from 0 on", ""};
-    const double bound = goal->value;
+    const double bound = task.goal->value;
     const Conflict conflict = worst_conflict(data);
     if (conflict.apart > 2 * bound && method.most_vertices >= data.points.size())
         return Error{ErrorCode::BadInput,
@@ -269,9 +280,7 @@ Result<EncodedPoints> insert(const ps::ScatteredData& data, const Insertion& met
                          " lie at the same place and their values are farther apart than twice "
                          "the bound; allow more, or leave one of them out",
                      "points"};
-    const auto trial = [&](double share) {
-        return insert_within(data, method, bound, share, progress);
-    };
+    const auto trial = [&](double share) { return insert_within(task, method, share); };
     auto best = trial(conflict.apart > 2 * kShareOfFew * bound ? 1 : kShareOfFew);
     const std::size_t points = data.points.size();
     if (!best.ok() || best->beyond > 0 ||
@@ -281,22 +290,23 @@ Result<EncodedPoints> insert(const ps::ScatteredData& data, const Insertion& met
         if (other.ok() && other->bytes.size() < best->bytes.size()) best = std::move(other);
     };
     keep_smaller(trial(kShareOfMany));
-    if (!method.smoothing && points <= method.most_vertices)
-        keep_smaller(interpolate(data, {}, goal, progress));
-    if (progress && !progress(1)) return Error{ErrorCode::Cancelled, "cancelled", ""};
+    if (!method.smoothing && points <= method.most_vertices) keep_smaller(interpolate(task, {}));
+    if (task.progress && !task.progress(1)) return Error{ErrorCode::Cancelled, "cancelled", ""};
     return best;
 }
 
 }  // namespace
 
 Result<EncodedPoints> encode_points(const ps::ScatteredData& data, const PointMethod& method,
-                                    std::optional<Goal> goal, const Progress& progress) {
+                                    std::optional<Goal> goal, const Progress& progress,
+                                    const PsReference& reference) {
     RELIEF_CHECK(check(data));
+    const Task task{data, goal, progress, reference};
     if (const auto* interpolation = std::get_if<Interpolation>(&method))
-        return interpolate(data, *interpolation, goal, progress);
+        return interpolate(task, *interpolation);
     if (const auto* approximation = std::get_if<Approximation>(&method))
-        return approximate(data, *approximation, goal, progress);
-    return insert(data, std::get<Insertion>(method), goal, progress);
+        return approximate(task, *approximation);
+    return insert(task, std::get<Insertion>(method));
 }
 
 }  // namespace relief::codec

@@ -56,6 +56,7 @@ struct EncodedPoints {
 [[nodiscard]] Result<EncodedPoints> encode_points(const multires::ps::ScatteredData& data,
                                                   const PointMethod& method,
                                                   std::optional<Goal> goal = {},
-                                                  const Progress& progress = {});
+                                                  const Progress& progress = {},
+                                                  const PsReference& reference = {});
 
 }  // namespace relief::codec
