@@ -1,7 +1,5 @@
 #include "mesh_peer.h"
 
-#include <time.h>
-
 #include <iterator>
 
 namespace relief::peers {
@@ -22,12 +20,6 @@ MeshPeers all_mesh_peers() {
     add(cgal_peers());
 #endif
     return all;
-}
-
-double thread_seconds() {
-    timespec time{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
 }  // namespace relief::peers

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "clock.h"
 #include "relief/core/vec3.h"
 #include "relief/mesh/topology.h"
 #include "relief/multires/subdivision_rules.h"
@@ -67,8 +68,5 @@ using MeshPeers = std::vector<std::unique_ptr<MeshPeer>>;
 
 /// All that were built, relief first.
 [[nodiscard]] MeshPeers all_mesh_peers();
-
-/// What the clock of this thread says, in seconds.
-[[nodiscard]] double thread_seconds();
 
 }  // namespace relief::peers
