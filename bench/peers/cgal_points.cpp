@@ -79,9 +79,9 @@ class CgalPoints final : public PointPeer {
         for (std::size_t k = 0; k < values.size(); ++k) {
             const auto row = static_cast<std::int64_t>(k) / side;
             const auto col = static_cast<std::int64_t>(k) % side;
-            values[k] = value_at({step * (static_cast<double>(col) + 0.5),
-                                  step * (static_cast<double>(row) + 0.5)},
-                                 face);
+            values[k] = value_at(
+                {step * (static_cast<double>(col) + 0.5), step * (static_cast<double>(row) + 0.5)},
+                face);
         }
         return {};
     }

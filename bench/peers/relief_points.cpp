@@ -33,9 +33,10 @@ class ReliefPoints final : public PointPeer {
                    ps::estimate_gradients(delaunay.mesh, values));
         RELIEF_TRY(space_, ps::make_space(std::move(delaunay.mesh)));
         ps::TangentPlanes planes(values.size());
-        std::transform(
-            values.begin(), values.end(), gradients.begin(), planes.begin(),
-            [](double value, Vec2 gradient) { return spline::TangentPlane{value, gradient}; });
+        std::transform(values.begin(), values.end(), gradients.begin(), planes.begin(),
+                       [](double value, Vec2 gradient) {
+                           return spline::TangentPlane{value, gradient};
+                       });
         const ps::Coefficients spline = ps::coefficients(space_, planes);
         RELIEF_TRY(surface_, ps::Surface::create(space_, std::span(&spline, 1)));
         locator_.emplace(space_.mesh);
