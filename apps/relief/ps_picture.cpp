@@ -17,14 +17,15 @@ namespace {
 constexpr std::size_t kDrawn = 400000;
 constexpr int kMostParts = 12;
 
-/// Heights as they are drawn.
+/// Places and heights as they are drawn.
 struct View {
+    Vec2 metres{1, 1};  ///< of a unit of x and of y: degrees are not as long as they are wide
     double exaggeration = 1;
     double low = 0;
     double high = 1;
 
     [[nodiscard]] std::array<double, 3> point(Vec2 place, double height) const {
-        return {place.x, place.y, height * exaggeration};
+        return {place.x * metres.x, place.y * metres.y, height * exaggeration};
     }
     /// sRGB from 0 to 1.
     [[nodiscard]] std::array<double, 3> colour(double height) const {
@@ -128,7 +129,9 @@ PolygonMesh control_triangles(const PsLevel& level, const View& view) {
 /// Heights at samples all over the surface say how it is drawn.
 Result<View> view_of(const std::string& path, double exaggeration) {
     RELIEF_TRY(const Raster raster, picture_raster(path, 0, 256));
-    View view{exaggeration, INFINITY, -INFINITY};
+    const io::CellSize cell = io::cell_size_metres(raster.geo, raster.rows);
+    const std::array<double, 6>& transform = *raster.geo.transform;
+    View view{{cell.x / transform[1], cell.y / -transform[5]}, exaggeration, INFINITY, -INFINITY};
     for (std::int64_t r = 0; r < raster.rows; ++r)
         for (std::int64_t c = 0; c < raster.cols; ++c)
             if (raster.valid(r, c)) {
@@ -136,8 +139,8 @@ Result<View> view_of(const std::string& path, double exaggeration) {
                 view.high = std::max(view.high, raster.planes[0](r, c));
             }
     if (!(exaggeration > 0))
-        view.exaggeration = io::auto_exaggeration(raster.planes[0].view(), raster.mask.view(),
-                                                  io::cell_size_metres(raster.geo, raster.rows));
+        view.exaggeration =
+            io::auto_exaggeration(raster.planes[0].view(), raster.mask.view(), cell);
     return view;
 }
 

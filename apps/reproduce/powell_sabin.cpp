@@ -150,13 +150,12 @@ double scaled_condition(const ps::Space& space, const std::vector<ps::Coefficien
 }
 
 void add_wavelets(Rows& rows) {
-    constexpr std::pair<Update, const char*> kUpdates[] = {
-        {Update::None, "none"},
-        {Update::Moments, "moments"},
-        {Update::Semi, "semi"},
-        {Update::Semi2, "semi2"},
-        {Update::Semi2Moments, "semi2, moments"},
-        {Update::Full, "full"}};
+    constexpr std::pair<Update, const char*> kUpdates[] = {{Update::None, "none"},
+                                                           {Update::Moments, "moments"},
+                                                           {Update::Semi, "semi"},
+                                                           {Update::Semi2, "semi2"},
+                                                           {Update::Semi2Moments, "semi2, moments"},
+                                                           {Update::Full, "full"}};
     for (const auto& [update, name] : kUpdates)
         for (const int levels : {1, 2}) {
             const ps::Hierarchy hierarchy = *ps::Hierarchy::create(squares(1), levels);
@@ -172,8 +171,9 @@ void add_wavelets(Rows& rows) {
     const ps::Space base = random_space(14, 3);
     const ps::Hierarchy hierarchy = *ps::Hierarchy::create(base, 1);
     for (const auto& [update, name] : kUpdates) {
-        rows.add("section 4, 14 vertices", fmt::format("largest mean of a wavelet, update {}", name),
-                 {}, largest_mean(hierarchy, update), "of its B-spline: 1");
+        rows.add("section 4, 14 vertices",
+                 fmt::format("largest mean of a wavelet, update {}", name), {},
+                 largest_mean(hierarchy, update), "of its B-spline: 1");
         rows.add("section 4, 14 vertices", fmt::format("reconstruction error, update {}", name), 0,
                  reconstruction_error(base, update), "two levels, values up to 1");
     }

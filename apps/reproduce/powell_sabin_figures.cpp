@@ -117,7 +117,7 @@ void draw_control_points(Drawing& drawing, const ps::Space& space, Index v) {
 
 /// A hub with seven neighbours, which are joined in a circle.
 ps::Space wheel() {
-    const std::vector<Vec2> vertices{{0.1, 0},     {1, 0.1},      {0.6, 0.9},  {-0.2, 1.05},
+    const std::vector<Vec2> vertices{{0.1, 0},     {1, 0.1},      {0.6, 0.9}, {-0.2, 1.05},
                                      {-0.95, 0.5}, {-0.8, -0.45}, {0, -0.95}, {0.75, -0.75}};
     std::vector<std::array<Index, 3>> triangles;
     for (Index k = 1; k < 8; ++k) triangles.push_back({0, k, k == 7 ? 1 : k + 1});

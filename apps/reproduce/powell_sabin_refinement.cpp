@@ -32,8 +32,8 @@ std::vector<PlaneJet> jets(const ps::Space& space, const ps::Coefficients& splin
                            const std::vector<Vec2>& points) {
     const ps::Surface surface = *ps::Surface::create(space, std::span(&spline, 1));
     std::vector<PlaneJet> result(points.size());
-    const Status done = ps::evaluate(surface, TriangleLocator(space.mesh), points, result,
-                                     ps::Outside::Nearest);
+    const Status done =
+        ps::evaluate(surface, TriangleLocator(space.mesh), points, result, ps::Outside::Nearest);
     return done.ok() ? result : std::vector<PlaneJet>();
 }
 
@@ -87,18 +87,18 @@ void b_splines(Rows& rows) {
         const std::vector<PlaneJet> at = jets(lattice, franke_spline(lattice), points);
         for (std::size_t k = 0; k < points.size(); ++k)
             error = std::max(error, std::abs(at[k].value - franke(points[k]).value));
-        rows.add("(2.3), Franke", fmt::format("largest error on {0} x {0} squares", side), {}, error,
-                 "third order");
+        rows.add("(2.3), Franke", fmt::format("largest error on {0} x {0} squares", side), {},
+                 error, "third order");
     }
 }
 
 void smallest_triangles(Rows& rows) {
     std::vector<Vec2> hexagon;
-    for (int k = 0; k < 6; ++k)
-        hexagon.push_back({std::cos(k * M_PI / 3), std::sin(k * M_PI / 3)});
+    for (int k = 0; k < 6; ++k) hexagon.push_back({std::cos(k * M_PI / 3), std::sin(k * M_PI / 3)});
     const std::vector<Vec2> square{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     rows.add("section 2.3", "smallest triangle around a regular hexagon", 9 * std::sqrt(3.0) / 4,
-             area(*spline::smallest_triangle(hexagon)), "exact: 9 sqrt(3) / 4; no quadratic program");
+             area(*spline::smallest_triangle(hexagon)),
+             "exact: 9 sqrt(3) / 4; no quadratic program");
     rows.add("section 2.3", "smallest triangle around a unit square", 2,
              area(*spline::smallest_triangle(square)));
 }
@@ -115,7 +115,8 @@ void refinements(Rows& rows) {
     for (int level = 0; level < 3; ++level) {
         finer = prolong(hierarchy.space(level), hierarchy.step(level), finer);
         const ps::Space& fine = hierarchy.space(level + 1);
-        const std::string after = fmt::format("after {} triadic step{}", level + 1, level ? "s" : "");
+        const std::string after =
+            fmt::format("after {} triadic step{}", level + 1, level ? "s" : "");
         rows.add("section 3.1.2", "change of the surface " + after, 0,
                  largest_difference(before, jets(fine, finer, points)), "values up to 1.2");
         rows.add("section 3.2.1", "control points outside, " + after, 0, ps::enclosure_excess(fine),
@@ -158,8 +159,9 @@ void cuts(Rows& rows) {
     const double rho = 1 / element.inverse_ratios()[0];
     rows.add("section 3.1.2, flat triangle", "rho", {}, rho, "needed: (1 - omega) rho < 1");
     for (const double omega : {1.0 / 3, 1.0 / 6, 1.0 / 12})
-        rows.add("section 3.1.2, flat triangle", fmt::format("(1 - omega) rho, omega {:.4f}", omega),
-                 {}, (1 - omega) * rho, "the text halves omega: worse");
+        rows.add("section 3.1.2, flat triangle",
+                 fmt::format("(1 - omega) rho, omega {:.4f}", omega), {}, (1 - omega) * rho,
+                 "the text halves omega: worse");
     rows.add("section 3.1.2, flat triangle", "(1 - omega) rho, omega 2/3", {}, rho / 3,
              "1 - omega halved: valid");
 }
@@ -178,8 +180,7 @@ void valences(Rows& rows) {
         }
         return std::pair(static_cast<double>(least), static_cast<double>(most));
     };
-    const auto [least3, most3] =
-        least_and_most(refine(space, {.scheme = ps::Scheme::Root3})->fine);
+    const auto [least3, most3] = least_and_most(refine(space, {.scheme = ps::Scheme::Root3})->fine);
     const auto [least9, most9] = least_and_most(refine(space)->fine);
     rows.add("theorem 3.1", "least valence of a new vertex, sqrt(3)", 6, least3,
              "6 less the edges on the boundary");
@@ -239,7 +240,8 @@ void readings(Rows& rows) {
     const double omega = 1.0 / 3;
     const double mu = omega + weight - omega * weight;
     const auto ordinate = [&](Index corner, int edge) {
-        const Vec2 way = 0.5 * (element.edge_point(edge) - element.corner(static_cast<int>(corner)));
+        const Vec2 way =
+            0.5 * (element.edge_point(edge) - element.corner(static_cast<int>(corner)));
         return std::pair(space.mesh.vertex(corner) + way, planes[corner].at(way));
     };
     const Vec2 edge_point = element.centre() + element.edge_point(0);
@@ -271,7 +273,8 @@ void optimality(Rows& rows) {
         const ps::Refinement b = *refine(space, smallest);
         for (Index t = 0; t < mesh.triangle_count(); ++t) {
             const auto& edges = mesh.triangle_edges[t];
-            if (std::any_of(edges.begin(), edges.end(), [&](Index e) { return mesh.on_boundary(e); }))
+            if (std::any_of(edges.begin(), edges.end(),
+                            [&](Index e) { return mesh.on_boundary(e); }))
                 continue;
             const Index v = mesh.vertex_count() + t;
             worst = std::max(worst, area(a.fine.control[v]) / area(b.fine.control[v]));
@@ -282,11 +285,10 @@ void optimality(Rows& rows) {
 }
 
 void rescaling(Rows& rows) {
-    constexpr std::pair<ps::Rescale, const char*> kRules[] = {
-        {ps::Rescale::None, "none"},
-        {ps::Rescale::Paper, "(3.11)"},
-        {ps::Rescale::Tight, "tight"},
-        {ps::Rescale::Smallest, "smallest"}};
+    constexpr std::pair<ps::Rescale, const char*> kRules[] = {{ps::Rescale::None, "none"},
+                                                              {ps::Rescale::Paper, "(3.11)"},
+                                                              {ps::Rescale::Tight, "tight"},
+                                                              {ps::Rescale::Smallest, "smallest"}};
     for (const auto& [rule, name] : kRules)
         for (const int levels : {0, 1, 2}) {
             const ps::Hierarchy hierarchy =
