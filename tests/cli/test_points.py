@@ -384,6 +384,19 @@ class Decoding(Points):
         self.assertRegex(self.text("fit", source, file, "--unit", "ft"), r"max error \S+ ft, rms error \S+ ft")
         self.refuse(2, "fit", source, self.path("no.relief"), "--crs", "EPSG:99999999", says=("EPSG:99999999", ".prj"))
 
+    def test_degrees_are_drawn_in_metres(self):
+        # A hill of 1 km on 60 km at 60 degrees north, where a degree is half as wide as long.
+        rows = scattered(200, lambda x, y: 1000 * np.sin(3 * x) * np.sin(6 * y), (1.0, 0.5))
+        source = self.points(rows + [10, 60, 0])
+        heights = {}
+        for name, options in (("degrees", ("--crs", "EPSG:4326")), ("metres", ())):
+            if name == "metres":
+                source = self.points(rows * [55_660, 111_420, 1])
+            file, _ = self.fitted(source, *options, name=f"{name}.relief")
+            picture = self.json("render", file, self.path(f"{name}.png"), "--style", "wire", "--width", 300)
+            heights[name] = picture["height"]
+        self.assertAlmostEqual(heights["degrees"], heights["metres"], delta=3)
+
     def test_coordinates_of_encoded_points_and_triangles(self):
         source = self.points(self.rows)
         file, _ = self.encoded(source, "--crs", "EPSG:32633", "--unit", "m")
