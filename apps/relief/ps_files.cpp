@@ -24,18 +24,20 @@ constexpr FaceCount<codec::PsCounts> kTriangles = {"triangles", &codec::PsCounts
 std::string text_of(const codec::PsFile& file, const std::string& path, const Json& levels,
                     bool sound) {
     const auto [low_x, low_y, high_x, high_y] = file.extent();
+    const auto& [crs, unit_name] = file.reference();
+    const std::string unit = unit_name.empty() ? "" : " " + unit_name;
     std::string text = head_text(path, file, sound);
     text += fmt::format(
         "scheme powell-sabin on {} vertices and {} triangles{}, {} levels, {}\n"
-        "x {} .. {}, y {} .. {}\n",
+        "x {} .. {}, y {} .. {}{}\n",
         grouped(static_cast<std::int64_t>(file.counts(0).vertices)),
         grouped(static_cast<std::int64_t>(file.counts(0).triangles)),
         file.delaunay() ? " (Delaunay)" : "", file.levels(),
         file.holds_values() ? "values at vertices" : "coefficients", shown(low_x), shown(high_x),
-        shown(low_y), shown(high_y));
+        shown(low_y), shown(high_y), crs.empty() ? "" : ", " + crs);
     text += file.edited() ? edits_text(file.moves().size()) + '\n'
-                          : fmt::format("max error {}, rms error {}\n", shown(file.max_error()),
-                                        shown(file.rms_error()));
+                          : fmt::format("max error {}{}, rms error {}{}\n", shown(file.max_error()),
+                                        unit, shown(file.rms_error()), unit);
     text += levels_text(levels, kTriangles.name);
     return text;
 }

@@ -6,6 +6,7 @@
 #include "mesh_verbs.h"
 #include "ps_verbs.h"
 #include "relief/codec/point_codec.h"
+#include "relief/io/crs.h"
 #include "relief/io/file.h"
 
 namespace relief::cli {
@@ -81,15 +82,17 @@ Json report_json(const codec::PsReport& report) {
     return json;
 }
 
-std::string text_of(const std::string& out, const codec::PsReport& report, const char* what) {
+std::string text_of(const std::string& out, const codec::PsReport& report, const char* what,
+                    const codec::PsReference& reference) {
+    const std::string unit = reference.unit.empty() ? "" : " " + reference.unit;
     return fmt::format(
         "{}: {} {} -> {} bytes, {:.4g} bits each\n"
         "scheme powell-sabin on {} vertices and {} triangles, {} levels; {} of {} numbers kept\n"
-        "max error {}, rms error {}\n",
+        "max error {}{}, rms error {}{}\n",
         out, grouped(report.samples), what, grouped(static_cast<std::int64_t>(report.bytes)),
         report.bits_per_sample, grouped(report.vertices), grouped(report.triangles), report.levels,
-        grouped(report.kept), grouped(report.coefficients), shown(report.max_error),
-        shown(report.rms_error));
+        grouped(report.kept), grouped(report.coefficients), shown(report.max_error), unit,
+        shown(report.rms_error), unit);
 }
 
 std::string notes_of(const codec::EncodedPoints& encoded, const std::optional<codec::Goal>& goal) {
@@ -110,15 +113,30 @@ std::string notes_of(const codec::EncodedPoints& encoded, const std::optional<co
 
 }  // namespace
 
+void ReferenceOptions::add_to(CLI::App& verb) {
+    verb.add_option("--crs", crs,
+                    "of the coordinates of points or triangles: EPSG:26911, WKT, a PROJ string or "
+                    "a .prj file; kept in the file, and written to rasters decoded from it");
+    verb.add_option("--unit", unit, "of their values: m, ft, ..; kept likewise");
+}
+
+Result<codec::PsReference> ReferenceOptions::reference() const {
+    codec::PsReference reference{"", unit};
+    if (crs.empty()) return reference;
+    RELIEF_TRY(reference.crs, io::crs_from_user(crs));
+    return reference;
+}
+
 Result<Outcome> fit_points(const FitVerb& verb, const Globals& globals) {
     const Stopwatch watch;
     RELIEF_TRY(const codec::PointMethod method, method_of(verb));
     RELIEF_TRY(const io::PointColumns columns, columns_of(verb.columns));
+    RELIEF_TRY(const codec::PsReference reference, verb.reference.reference());
     RELIEF_TRY(io::PointSet points, io::read_points(verb.in, columns));
     const codec::PsData data{std::move(points.places), std::move(points.values),
                              std::move(points.weights)};
-    const auto encoded =
-        codec::encode_points(data, method, verb.goal, progress_bar(globals, "fitting"));
+    const auto encoded = codec::encode_points(data, method, verb.goal,
+                                              progress_bar(globals, "fitting"), reference);
     if (!encoded.ok()) return located(encoded.error(), verb.in);
     RELIEF_CHECK(io::write_file_atomically(verb.out, encoded->bytes));
     Outcome outcome;
@@ -130,7 +148,8 @@ Result<Outcome> fit_points(const FitVerb& verb, const Globals& globals) {
                              {"beyond", encoded->beyond},
                              {"reason", encoded->reason},
                              {"seconds", watch.seconds()}});
-    outcome.text = text_of(verb.out, encoded->report, "points") + notes_of(*encoded, verb.goal);
+    outcome.text =
+        text_of(verb.out, encoded->report, "points", reference) + notes_of(*encoded, verb.goal);
     return outcome;
 }
 
@@ -222,8 +241,10 @@ Result<Outcome> encode_triangles(const TrianglesVerb& verb, const SchemeOptions&
                      "--scheme powell-sabin takes a mesh as it is: --levels and options of other "
                      "schemes do not apply",
                      ""};
+    RELIEF_TRY(const codec::PsReference reference, verb.reference.reference());
     RELIEF_TRY(const PolygonMesh polygons, read_polygons(verb.in));
-    RELIEF_TRY(const codec::PsModel model, model_of(polygons, verb));
+    RELIEF_TRY(codec::PsModel model, model_of(polygons, verb));
+    model.reference = reference;
     const auto encoded =
         codec::encode_ps(model, {.goal = verb.goal, .progress = progress_bar(globals, "encoding")});
     if (!encoded.ok()) return located(encoded.error(), verb.in);
@@ -231,7 +252,7 @@ Result<Outcome> encode_triangles(const TrianglesVerb& verb, const SchemeOptions&
     Outcome outcome;
     outcome.json = report_json(encoded->report);
     outcome.json["seconds"] = watch.seconds();
-    outcome.text = text_of(verb.out, encoded->report, "vertices");
+    outcome.text = text_of(verb.out, encoded->report, "vertices", reference);
     return outcome;
 }
 

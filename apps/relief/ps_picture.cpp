@@ -19,12 +19,13 @@ constexpr int kMostParts = 12;
 
 /// Points in space as they are drawn.
 struct View {
+    Vec2 metres{1, 1};  ///< of a unit of x and of y: degrees are not as long as they are wide
     double exaggeration = 1;
     double low = 0;
     double high = 1;
 
     [[nodiscard]] std::array<double, 3> point(const std::array<double, 3>& p) const {
-        return {p[0], p[1], p[2] * exaggeration};
+        return {p[0] * metres.x, p[1] * metres.y, p[2] * exaggeration};
     }
     /// sRGB from 0 to 1.
     [[nodiscard]] std::array<double, 3> colour(double height) const {
@@ -131,7 +132,9 @@ PolygonMesh control_triangles(const PsLevel& level, const View& view) {
 /// exaggerated unless that is asked for.
 Result<View> view_of(const std::string& path, double exaggeration) {
     RELIEF_TRY(const Raster raster, picture_raster(path, 0, 256));
-    View view{exaggeration, INFINITY, -INFINITY};
+    const io::CellSize cell = io::cell_size_metres(raster.geo, raster.rows);
+    const std::array<double, 6>& transform = *raster.geo.transform;
+    View view{{cell.x / transform[1], cell.y / -transform[5]}, exaggeration, INFINITY, -INFINITY};
     for (std::int64_t r = 0; r < raster.rows; ++r)
         for (std::int64_t c = 0; c < raster.cols; ++c)
             if (raster.valid(r, c)) {
@@ -142,8 +145,7 @@ Result<View> view_of(const std::string& path, double exaggeration) {
         view.exaggeration =
             raster.planes.size() == 3
                 ? 1
-                : io::auto_exaggeration(raster.planes[0].view(), raster.mask.view(),
-                                        io::cell_size_metres(raster.geo, raster.rows));
+                : io::auto_exaggeration(raster.planes[0].view(), raster.mask.view(), cell);
     return view;
 }
 

@@ -49,6 +49,18 @@ inline constexpr const char* kColumnsHelp =
     "X,Y,VALUE[,WEIGHT] of points: names or numbers (from 1) of columns; default: by known names, "
     "else the first three. U,V,X,Y,Z[,WEIGHT]: a surface in space over the plane of U and V";
 
+/// What coordinates and values are, as options.
+struct ReferenceOptions {
+    std::string crs = {};
+    std::string unit = {};
+
+    void add_to(CLI::App& verb);
+    /// Errors: InvalidArgument for a CRS that is not known.
+    [[nodiscard]] Result<codec::PsReference> reference() const;
+
+    friend bool operator==(const ReferenceOptions&, const ReferenceOptions&) = default;
+};
+
 struct FitVerb {
     std::string in;
     std::string out;
@@ -59,6 +71,7 @@ struct FitVerb {
     std::string gradients = {};
     int levels = 0;
     std::string columns = {};
+    ReferenceOptions reference = {};
 };
 [[nodiscard]] Result<Outcome> fit_points(const FitVerb& verb, const Globals& globals);
 
@@ -67,6 +80,7 @@ struct TrianglesVerb {
     std::string out;
     codec::Goal goal;
     bool over_uv = false;  ///< in the plane of their texture coordinates; a surface in space
+    ReferenceOptions reference = {};
 };
 /// Triangles over the plane, with values at their vertices.
 [[nodiscard]] Result<Outcome> encode_triangles(const TrianglesVerb& verb,

@@ -69,6 +69,7 @@ void add_fit(Program& program) {
                      "interpolation: slopes at the points by rule adaptive (default), quadratic "
                      "(smooth data only), plane or zero");
     verb->add_option("--columns", fit.columns, kColumnsHelp);
+    fit.reference.add_to(*verb);
 }
 
 }  // namespace relief::cli

@@ -29,6 +29,14 @@ constexpr double kSmoothing = 1e-10;
 /// What code may add to the error of a spline that is not within the bound, in parts of the bound.
 constexpr double kCodeShare = 0.25;
 
+/// What encode_points is asked, but for the method.
+struct Task {
+    const PsData& data;
+    const std::optional<Goal>& goal;
+    const Progress& progress;
+    const PsReference& reference;
+};
+
 Status check(const PsData& data) {
     const std::size_t points = data.points.size();
     if (data.values.empty() || data.values.size() > 3)
@@ -90,17 +98,17 @@ std::vector<double> means(const PsData& data, std::size_t component,
     return means;
 }
 
-Result<EncodedPoints> interpolate(const PsData& data, const Interpolation& method,
-                                  const std::optional<Goal>& goal, const Progress& progress) {
+Result<EncodedPoints> interpolate(const Task& task, const Interpolation& method) {
+    const PsData& data = task.data;
     RELIEF_TRY(mesh::Delaunay delaunay, mesh::delaunay(data.points));
     PsValues values{{}, method.gradients};
     for (std::size_t m = 0; m < data.values.size(); ++m)
         values.components.push_back(means(data, m, delaunay));
     EncodedPoints result;
     result.merged = data.points.size() - delaunay.mesh.vertex_count();
-    const PsModel model{std::move(delaunay.mesh), std::move(values), data};
-    RELIEF_TRY(EncodedPs encoded,
-               encode(model, goal.value_or(Goal{Goal::Kind::Lossless, 0}), false, progress));
+    const PsModel model{std::move(delaunay.mesh), std::move(values), data, task.reference};
+    const Goal exact{Goal::Kind::Lossless, 0};
+    RELIEF_TRY(EncodedPs encoded, encode(model, task.goal.value_or(exact), false, task.progress));
     result.bytes = std::move(encoded.bytes);
     result.report = encoded.report;
     return result;
@@ -144,8 +152,8 @@ Located locate(const mesh::Triangulation& mesh, const PsData& all) {
     return found;
 }
 
-Result<EncodedPoints> approximate(const PsData& data, const Approximation& method,
-                                  const std::optional<Goal>& goal, const Progress& progress) {
+Result<EncodedPoints> approximate(const Task& task, const Approximation& method) {
+    const PsData& data = task.data;
     const auto* given = std::get_if<mesh::Triangulation>(&method.base);
     mesh::Triangulation base;
     if (given != nullptr) {
@@ -176,10 +184,11 @@ Result<EncodedPoints> approximate(const PsData& data, const Approximation& metho
     result.smoothing = fitted.report.smoothing;
     const double rms = fitted.report.rms_error;
     const PsModel model{std::move(base), PsSplines{method.levels, std::move(fitted.components)},
-                        std::move(located.data)};
+                        std::move(located.data), task.reference};
     const Goal close = rms > 0 ? Goal{Goal::Kind::RmsError, (1 + kNegligible) * rms}
                                : Goal{Goal::Kind::Lossless, 0};
-    RELIEF_TRY(EncodedPs encoded, encode(model, goal.value_or(close), given != nullptr, progress));
+    RELIEF_TRY(EncodedPs encoded,
+               encode(model, task.goal.value_or(close), given != nullptr, task.progress));
     result.bytes = std::move(encoded.bytes);
     result.report = encoded.report;
     return result;
@@ -200,14 +209,15 @@ Result<std::size_t> count_beyond(const PsData& data, Bytes bytes, double bound) 
 }
 
 /// The spline within a share of the bound, coded within all of it.
-Result<EncodedPoints> insert_within(const PsData& data, const Insertion& method, double bound,
-                                    double share, const Progress& progress) {
+Result<EncodedPoints> insert_within(const Task& task, const Insertion& method, double share) {
+    const PsData& data = task.data;
+    const double bound = task.goal->value;
     RELIEF_TRY(ps::AdaptiveSurface surface,
                ps::fit_within({data.points, data.values[0], data.weights},
                               {.max_error = share * bound,
                                .most_vertices = method.most_vertices,
                                .smoothing = method.smoothing.value_or(kSmoothing),
-                               .progress = progress}));
+                               .progress = task.progress}));
     const double error = surface.report.max_error;
     const bool limited = surface.space.mesh.vertex_count() >= method.most_vertices;
     if (error > bound && !limited)
@@ -216,8 +226,8 @@ Result<EncodedPoints> insert_within(const PsData& data, const Insertion& method,
     result.smoothing = surface.report.smoothing;
     const Goal goal{Goal::Kind::MaxError, error > bound ? error + kCodeShare * bound : bound};
     const PsModel model{std::move(surface.space.mesh), PsSplines{0, {std::move(surface.spline)}},
-                        data};
-    RELIEF_TRY(EncodedPs encoded, encode(model, goal, false, progress));
+                        data, task.reference};
+    RELIEF_TRY(EncodedPs encoded, encode(model, goal, false, task.progress));
     result.bytes = std::move(encoded.bytes);
     result.report = encoded.report;
     if (result.report.max_error > bound) {
@@ -255,9 +265,9 @@ Conflict worst_conflict(const PsData& data) {
     return worst;
 }
 
-Result<EncodedPoints> insert(const PsData& data, const Insertion& method,
-                             const std::optional<Goal>& goal, const Progress& progress) {
-    if (!goal || goal->kind != Goal::Kind::MaxError || !(goal->value >= 0))
+Result<EncodedPoints> insert(const Task& task, const Insertion& method) {
+    const PsData& data = task.data;
+    if (!task.goal || task.goal->kind != Goal::Kind::MaxError || !(task.goal->value >= 0))
         return Error{ErrorCode::InvalidArgument,
                      "vertices are inserted for a largest error, a number from 0 on", ""};
     if (data.values.size() != 1)
@@ -265,7 +275,7 @@ Result<EncodedPoints> insert(const PsData& data, const Insertion& method,
                      "component_count: vertices are inserted for one value a point; with several, "
                      "interpolate, or choose a number of vertices or triangles",
                      ""};
-    const double bound = goal->value;
+    const double bound = task.goal->value;
     const Conflict conflict = worst_conflict(data);
     if (conflict.apart > 2 * bound && method.most_vertices >= data.points.size())
         return Error{ErrorCode::BadInput,
@@ -274,9 +284,7 @@ Result<EncodedPoints> insert(const PsData& data, const Insertion& method,
                          " lie at the same place and their values are farther apart than twice "
                          "the bound; allow more, or leave one of them out",
                      "points"};
-    const auto trial = [&](double share) {
-        return insert_within(data, method, bound, share, progress);
-    };
+    const auto trial = [&](double share) { return insert_within(task, method, share); };
     auto best = trial(conflict.apart > 2 * kShareOfFew * bound ? 1 : kShareOfFew);
     const std::size_t points = data.points.size();
     if (!best.ok() || best->beyond > 0 ||
@@ -286,22 +294,23 @@ Result<EncodedPoints> insert(const PsData& data, const Insertion& method,
         if (other.ok() && other->bytes.size() < best->bytes.size()) best = std::move(other);
     };
     keep_smaller(trial(kShareOfMany));
-    if (!method.smoothing && points <= method.most_vertices)
-        keep_smaller(interpolate(data, {}, goal, progress));
-    if (progress && !progress(1)) return Error{ErrorCode::Cancelled, "cancelled", ""};
+    if (!method.smoothing && points <= method.most_vertices) keep_smaller(interpolate(task, {}));
+    if (task.progress && !task.progress(1)) return Error{ErrorCode::Cancelled, "cancelled", ""};
     return best;
 }
 
 }  // namespace
 
 Result<EncodedPoints> encode_points(const PsData& data, const PointMethod& method,
-                                    std::optional<Goal> goal, const Progress& progress) {
+                                    std::optional<Goal> goal, const Progress& progress,
+                                    const PsReference& reference) {
     RELIEF_CHECK(check(data));
+    const Task task{data, goal, progress, reference};
     if (const auto* interpolation = std::get_if<Interpolation>(&method))
-        return interpolate(data, *interpolation, goal, progress);
+        return interpolate(task, *interpolation);
     if (const auto* approximation = std::get_if<Approximation>(&method))
-        return approximate(data, *approximation, goal, progress);
-    return insert(data, std::get<Insertion>(method), goal, progress);
+        return approximate(task, *approximation);
+    return insert(task, std::get<Insertion>(method));
 }
 
 }  // namespace relief::codec

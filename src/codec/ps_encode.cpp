@@ -87,6 +87,7 @@ class Encoder {
         header.components = static_cast<int>(components());
         header.levels = hierarchy().levels();
         header.goal = options_.goal;
+        header.reference = source_.reference;
         return header;
     }
 

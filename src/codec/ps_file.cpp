@@ -143,6 +143,9 @@ int PsFile::components() const {
 Goal PsFile::goal() const {
     return state_->header.goal;
 }
+const PsReference& PsFile::reference() const {
+    return state_->header.reference;
+}
 bool PsFile::holds_values() const {
     return state_->header.gradients.has_value();
 }

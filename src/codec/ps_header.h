@@ -8,7 +8,7 @@
 #include "codec/ps_base.h"
 #include "codec/ps_details.h"
 #include "codec/value_lattice.h"
-#include "relief/codec/raster_codec.h"
+#include "relief/codec/ps_codec.h"
 #include "relief/multires/ps_gradients.h"
 
 namespace relief::codec {
@@ -27,6 +27,7 @@ struct PsHeader {
     /// Of each component: that of its values; of coefficients in lossless files, else none.
     std::vector<ValueLattice> lattices;
     Goal goal;
+    PsReference reference;
     double max_error = 0;
     double rms_error = 0;
     double surface_error = 0;  ///< certified; 0: no bit of the surface differs

@@ -135,6 +135,9 @@ TEST(HostilePs, HeaderMembersOutOfRangeAreNamed) {
                                                  {"/values", "[]", "lattices"},
                                                  {"/details/step", "0", "step"},
                                                  {"/details/law", "\"moon\"", "newer version"},
+                                                 {"/georeference", "7", "georeference"},
+                                                 {"/georeference/crs", "4326", "crs"},
+                                                 {"/unit", "[]", "unit"},
                                                  {"/goal/value", "[]", "value"}}) {
         const bool of_splines = path.starts_with("/details") || path.starts_with("/scheme/");
         const ContainerReader reader = *ContainerReader::open(of_splines ? splines : values);

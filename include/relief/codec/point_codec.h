@@ -57,6 +57,7 @@ struct EncodedPoints {
 /// 2^23 vertices; Cancelled.
 [[nodiscard]] Result<EncodedPoints> encode_points(const PsData& data, const PointMethod& method,
                                                   std::optional<Goal> goal = {},
-                                                  const Progress& progress = {});
+                                                  const Progress& progress = {},
+                                                  const PsReference& reference = {});
 
 }  // namespace relief::codec
