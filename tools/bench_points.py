@@ -184,8 +184,25 @@ def costs(lines: Lines) -> str:
     return markdown(("relief alone", "measured", "target", "met"), rows)
 
 
+def losses(lines: Lines) -> str:
+    """A list item for every measure in which a peer is ahead."""
+    items = []
+    for (peer, sites), line in sorted(lines.of.items(), key=lambda item: item[0][1]):
+        if peer.startswith(OURS):
+            continue
+        for what, name in (("build", "building"), ("random", "points in random order"), ("raster", "the raster")):
+            ratio = lines.ratio(peer, sites, what)
+            if ratio and ratio < 1:
+                items.append(f"{sites} sites, {name}: {peer} takes {ratio:.2f} of the time.")
+        for what, name in (("inner_rms", "the inner RMS"), ("border_max", "the border maximum")):
+            ratio = line[what] / lines.of[OURS, sites][what]
+            if ratio < 1:
+                items.append(f"{sites} sites: {name} of {peer} is {ratio:.2f} of ours.")
+    return "\n".join(f"- {item}" for item in items) or "- Nowhere in this run."
+
+
 SECTIONS = [("Points: speed", speeds), ("Points: against its peers", ratios), ("Points: accuracy", accuracy),
-            ("Points: fitting, refinement, memory", costs)]
+            ("Points: fitting, refinement, memory", costs), ("Points: where relief loses", losses)]
 
 
 def report(lines: Lines) -> str:
