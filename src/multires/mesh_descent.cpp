@@ -79,10 +79,9 @@ Result<Ordered> ordered(const Topology& fine, std::span<const Vec3<double>> poin
     return result;
 }
 
-/// The coarser mesh whose subdivision is near the points.
-Result<Points> lifted(const MeshStep<double>& step, const Points& points, MeshScheme scheme) {
-    Points c = points;
-    Points scratch(c.size());
+/// The coarser mesh whose subdivision is near the points of the finer one.
+Result<Points> lifted(const MeshStep<double>& step, Points c, MeshScheme scheme) {
+    Points scratch(step.coarse_count());
     Points stiff(step.rules().stiff.size());
     step.analyse(c.data(), stiff.data(), scratch.data());
     RELIEF_TRY(const MeshLift lift, MeshLift::create(step, default_lift(scheme, 0)));
@@ -169,9 +168,10 @@ Result<std::span<const Vec3<double>>> MeshDescent::points_left() {
     while (coarser_points_.size() < levels_.size()) {
         const std::size_t k = coarser_points_.size();
         const FoundLevel& level = *levels_[k];
-        RELIEF_TRY(const Ordered fine, ordered(finer(k), points_at(k), level));
+        RELIEF_TRY(Ordered fine, ordered(finer(k), points_at(k), level));
         RELIEF_TRY(const StepRules rules, step_rules(level.unsplit.mesh, level.tags, level.split));
-        RELIEF_TRY(Points coarse, lifted({level.unsplit.mesh, rules}, fine.points, scheme_));
+        RELIEF_TRY(Points coarse,
+                   lifted({level.unsplit.mesh, rules}, std::move(fine.points), scheme_));
         coarser_points_.push_back(std::move(coarse));
     }
     return points_at(levels_.size());
