@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <filesystem>
 #include <limits>
 #include <sstream>
@@ -202,85 +201,6 @@ Result<Outcome> info_of_points(const std::string& path) {
                     grouped(static_cast<std::int64_t>(points.places.size())),
                     points.weights.empty() ? "" : " with weights", shown(west->x), shown(east->x),
                     shown(south->y), shown(north->y), shown(*least), shown(*most));
-    return outcome;
-}
-
-namespace {
-
-/// The number before a colon and the one to three after it.
-Result<codec::PsMove> parse_move(const std::string& text, int level) {
-    const Error wrong{ErrorCode::InvalidArgument,
-                      "--move of a spline on triangles takes INDEX:DZ[,DX,DY], not '" + text + "'",
-                      ""};
-    const char* const end = text.data() + text.size();
-    codec::PsMove move;
-    move.level = level;
-    auto [at, error] = std::from_chars(text.data(), end, move.vertex);
-    if (error != std::errc() || at == end || *at != ':') return wrong;
-    std::array<double, 3> numbers{};
-    std::size_t count = 0;
-    do {
-        if (count == numbers.size()) return wrong;
-        const auto number = std::from_chars(at + 1, end, numbers[count++]);
-        if (number.ec != std::errc()) return wrong;
-        at = number.ptr;
-    } while (at != end && *at == ',');
-    if (at != end || count == 2) return wrong;
-    move.rise = numbers[0];
-    move.tilt = {numbers[1], numbers[2]};
-    return move;
-}
-
-}  // namespace
-
-Result<Outcome> edit_ps(const std::string& in, const std::string& out, int level,
-                        const std::vector<std::string>& texts) {
-    std::vector<codec::PsMove> moves;
-    for (const std::string& text : texts) {
-        RELIEF_TRY(const codec::PsMove move, parse_move(text, level));
-        moves.push_back(move);
-    }
-    if (moves.empty())
-        return Error{ErrorCode::InvalidArgument,
-                     "nothing to do; give --level K --move INDEX:DZ[,DX,DY]", ""};
-    RELIEF_TRY(Bytes bytes, io::read_file(in));
-    const auto edited = codec::add_ps_moves(std::move(bytes), moves);
-    if (!edited.ok()) return located(edited.error(), in);
-    const auto after_file = codec::PsFile::open(*edited);
-    if (!after_file.ok()) return located(after_file.error(), in);
-    RELIEF_TRY(const codec::PsFile before_file, open_ps(in));
-    const auto before = before_file.surface(0);
-    if (!before.ok()) return located(before.error(), in);
-    const auto after = after_file->surface(0);
-    if (!after.ok()) return located(after.error(), in);
-    RELIEF_CHECK(io::write_file_atomically(out, *edited));
-
-    const mesh::Triangulation& mesh = after->space.mesh;
-    std::int64_t touched = 0;
-    Vec2 low{INFINITY, INFINITY};
-    Vec2 high{-INFINITY, -INFINITY};
-    for (mesh::Index v = 0; v < mesh.vertex_count(); ++v) {
-        const auto same = [&](std::size_t m) {
-            return before->components[m][v] == after->components[m][v];
-        };
-        bool moved = false;
-        for (std::size_t m = 0; m < after->components.size(); ++m) moved |= !same(m);
-        if (!moved) continue;
-        ++touched;
-        const Vec2 place = mesh.origin + mesh.vertex(v);
-        low = {std::min(low.x, place.x), std::min(low.y, place.y)};
-        high = {std::max(high.x, place.x), std::max(high.y, place.y)};
-    }
-    Outcome outcome;
-    outcome.json =
-        Json{{"moved", moves.size()},
-             {"touched", touched},
-             {"bounds", touched == 0 ? Json(nullptr) : Json::array({low.x, low.y, high.x, high.y})},
-             {"edits", after_file->moves().size()},
-             {"bytes", edited->size()}};
-    outcome.text =
-        fmt::format("{}: {} control triangles of level {} moved, {} of level 0 touched\n", out,
-                    moves.size(), level, grouped(touched));
     return outcome;
 }
 

@@ -37,8 +37,9 @@ Status check(const FitVerb& verb) {
     if (!verb.gradients.empty() && least_squares)
         return wrong("--gradients are for interpolation, without --vertices and --mesh");
     if (verb.levels != 0 && !least_squares) return wrong("--levels needs --vertices or --mesh");
-    if (verb.smoothing && !least_squares && !(bounded && verb.gradients.empty()))
-        return wrong("--smoothing needs --vertices, --mesh or --max-error");
+    if ((verb.smoothing || !verb.energy.empty()) && !least_squares &&
+        !(bounded && verb.gradients.empty()))
+        return wrong("--smoothing and --energy need --vertices, --mesh or --max-error");
     if (verb.smoothing && !(*verb.smoothing >= 0 && std::isfinite(*verb.smoothing)))
         return wrong("--smoothing must be a number from 0 on");
     return {};
@@ -48,10 +49,12 @@ Status check(const FitVerb& verb) {
 Result<codec::PointMethod> method_of(const FitVerb& verb) {
     RELIEF_CHECK(check(verb));
     const bool bounded = verb.goal && verb.goal->kind == codec::Goal::Kind::MaxError;
+    const ps::Energy energy = verb.energy == "jumps" ? ps::Energy::Jump : ps::Energy::ThinPlate;
     if (verb.gradients.empty() && bounded && verb.mesh.empty() && verb.levels == 0) {
         codec::Insertion insertion;
         if (verb.vertices) insertion.most_vertices = static_cast<std::size_t>(*verb.vertices);
         insertion.smoothing = verb.smoothing;
+        insertion.energy = energy;
         return codec::PointMethod(insertion);
     }
     if (!verb.vertices && verb.mesh.empty()) {
@@ -61,6 +64,7 @@ Result<codec::PointMethod> method_of(const FitVerb& verb) {
     codec::Approximation approximation;
     approximation.levels = verb.levels;
     approximation.smoothing = verb.smoothing;
+    approximation.energy = energy;
     if (verb.vertices) {
         approximation.base = static_cast<std::size_t>(*verb.vertices);
     } else {
@@ -124,13 +128,18 @@ Result<Outcome> fit_points(const FitVerb& verb, const Globals& globals) {
     Outcome outcome;
     outcome.json = Json{{"points", data.points.size()}};
     outcome.json.update(report_json(encoded->report));
+    const Json energy =
+        encoded->smoothing ? Json(verb.energy == "jumps" ? "jumps" : "plate") : Json();
     outcome.json.update(Json{{"smoothing", json_number(encoded->smoothing)},
+                             {"energy", energy},
                              {"merged", encoded->merged},
                              {"outside", encoded->outside},
                              {"beyond", encoded->beyond},
                              {"reason", encoded->reason},
                              {"seconds", watch.seconds()}});
-    outcome.text = text_of(verb.out, encoded->report, "points") + notes_of(*encoded, verb.goal);
+    outcome.text =
+        text_of(verb.out, encoded->report, data.values.size() == 1 ? "points" : "numbers") +
+        notes_of(*encoded, verb.goal);
     return outcome;
 }
 
@@ -231,7 +240,7 @@ Result<Outcome> encode_triangles(const TrianglesVerb& verb, const SchemeOptions&
     Outcome outcome;
     outcome.json = report_json(encoded->report);
     outcome.json["seconds"] = watch.seconds();
-    outcome.text = text_of(verb.out, encoded->report, "vertices");
+    outcome.text = text_of(verb.out, encoded->report, verb.over_uv ? "numbers" : "vertices");
     return outcome;
 }
 
