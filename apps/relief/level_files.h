@@ -82,8 +82,13 @@ struct Description {
 /// `sound`: its checksums hold.
 template <class File>
 [[nodiscard]] Json info_json(const File& file, const Description& about, bool sound) {
-    Json json{{"format", "relief"},     {"content", about.content}, {"version", file.version()},
-              {"scheme", about.scheme}, {"order", about.order},     {"levels", file.levels()}};
+    Json json{{"format", "relief"},
+              {"content", about.content},
+              {"version", file.version()},
+              {"scheme", about.scheme},
+              {"order", about.order},
+              {"levels", file.levels()},
+              {"crs", ""}};
     json.update(about.more);
     json.update(Json{{"bands", about.bands},
                      {"level_list", about.levels},
@@ -94,7 +99,7 @@ template <class File>
                      {"bound", json_number(file.bound(0))}});
     if constexpr (requires { file.surface_bound(0); })
         json["surface_bound"] = json_number(file.surface_bound(0));
-    json.update(Json{{"edits", file.moves().size()}, {"crs", ""}, {"extent", nullptr}});
+    json.update(Json{{"edits", file.moves().size()}, {"extent", nullptr}});
     if constexpr (requires { file.extent(); }) json["extent"] = file.extent();
     json["checksums_ok"] = sound;
     return json;

@@ -101,7 +101,8 @@ Result<Outcome> info_of_ps(const std::string& path) {
     const char* const kind = file.holds_values() ? "values" : "coefficients";
     const Json more{{"vertices", file.counts(0).vertices}, {"triangles", file.counts(0).triangles},
                     {"components", file.components()},     {"kind", kind},
-                    {"delaunay", file.delaunay()},         {"lossless", file.lossless()}};
+                    {"delaunay", file.delaunay()},         {"lossless", file.lossless()},
+                    {"unit", file.reference().unit},       {"crs", file.reference().crs}};
     Outcome outcome;
     outcome.json = info_json(file,
                              {.content = kContent,
@@ -147,46 +148,6 @@ Result<Outcome> info_of_points(const std::string& path) {
                     grouped(static_cast<std::int64_t>(points.places.size())),
                     points.weights.empty() ? "" : " with weights", shown(west->x), shown(east->x),
                     shown(south->y), shown(north->y), shown(*least), shown(*most));
-    return outcome;
-}
-
-namespace {
-
-bool set(codec::PsMove& move, const std::vector<double>& numbers) {
-    if (numbers.size() != 1 && numbers.size() != 3) return false;
-    move.rise = numbers[0];
-    if (numbers.size() == 3) move.tilt = {numbers[1], numbers[2]};
-    return true;
-}
-
-}  // namespace
-
-Result<Outcome> edit_ps(const std::string& in, const std::string& out, int level,
-                        const std::vector<std::string>& texts) {
-    RELIEF_TRY(const auto moves,
-               parse_moves<codec::PsMove>(texts, level,
-                                          {"a spline on triangles", "INDEX:DZ[,DX,DY]"}, set));
-    RELIEF_TRY(const auto result, edited<codec::PsFile>(in, moves, codec::add_ps_moves));
-    RELIEF_TRY(const codec::PsFile before_file, open_ps(in));
-    RELIEF_TRY(const codec::PsSurface before, located(before_file.surface(0), in));
-    RELIEF_TRY(const codec::PsSurface after, located(result.file.surface(0), in));
-    RELIEF_CHECK(io::write_file_atomically(out, result.bytes));
-
-    const mesh::Triangulation& mesh = after.space.mesh;
-    Touched<2> touched;
-    for (mesh::Index v = 0; v < mesh.vertex_count(); ++v) {
-        bool same = true;
-        for (std::size_t m = 0; m < after.components.size(); ++m)
-            same = same && before.components[m][v] == after.components[m][v];
-        if (same) continue;
-        const Vec2 place = mesh.origin + mesh.vertex(v);
-        touched.add({place.x, place.y});
-    }
-    Outcome outcome;
-    outcome.json = edit_json(result, moves.size(), touched);
-    outcome.text =
-        fmt::format("{}: {} control triangles of level {} moved, {} of level 0 touched\n", out,
-                    moves.size(), level, grouped(touched.count()));
     return outcome;
 }
 

@@ -38,8 +38,9 @@ Status check(const FitVerb& verb) {
     if (!verb.gradients.empty() && least_squares)
         return wrong("--gradients are for interpolation, without --vertices and --mesh");
     if (verb.levels != 0 && !least_squares) return wrong("--levels needs --vertices or --mesh");
-    if (verb.smoothing && !least_squares && !(bounded && verb.gradients.empty()))
-        return wrong("--smoothing needs --vertices, --mesh or --max-error");
+    if ((verb.smoothing || !verb.energy.empty()) && !least_squares &&
+        !(bounded && verb.gradients.empty()))
+        return wrong("--smoothing and --energy need --vertices, --mesh or --max-error");
     if (verb.smoothing && !(*verb.smoothing >= 0 && std::isfinite(*verb.smoothing)))
         return wrong("--smoothing must be a number from 0 on");
     return {};
@@ -49,10 +50,12 @@ Status check(const FitVerb& verb) {
 Result<codec::PointMethod> method_of(const FitVerb& verb) {
     RELIEF_CHECK(check(verb));
     const bool bounded = verb.goal && verb.goal->kind == codec::Goal::Kind::MaxError;
+    const ps::Energy energy = verb.energy == "jumps" ? ps::Energy::Jump : ps::Energy::ThinPlate;
     if (verb.gradients.empty() && bounded && verb.mesh.empty() && verb.levels == 0) {
         codec::Insertion insertion;
         if (verb.vertices) insertion.most_vertices = static_cast<std::size_t>(*verb.vertices);
         insertion.smoothing = verb.smoothing;
+        insertion.energy = energy;
         return codec::PointMethod(insertion);
     }
     if (!verb.vertices && verb.mesh.empty()) {
@@ -62,6 +65,7 @@ Result<codec::PointMethod> method_of(const FitVerb& verb) {
     codec::Approximation approximation;
     approximation.levels = verb.levels;
     approximation.smoothing = verb.smoothing;
+    approximation.energy = energy;
     if (verb.vertices) {
         approximation.base = static_cast<std::size_t>(*verb.vertices);
     } else {
@@ -135,21 +139,25 @@ Result<Outcome> fit_points(const FitVerb& verb, const Globals& globals) {
     RELIEF_TRY(io::PointSet points, io::read_points(verb.in, columns));
     const codec::PsData data{std::move(points.places), std::move(points.values),
                              std::move(points.weights)};
-    const auto encoded = codec::encode_points(data, method, verb.goal,
-                                              progress_bar(globals, "fitting"), reference);
+    const auto encoded =
+        codec::encode_points(data, method, verb.goal, progress_bar(globals, "fitting"), reference);
     if (!encoded.ok()) return located(encoded.error(), verb.in);
     RELIEF_CHECK(io::write_file_atomically(verb.out, encoded->bytes));
     Outcome outcome;
     outcome.json = Json{{"points", data.points.size()}};
     outcome.json.update(report_json(encoded->report));
+    const Json energy =
+        encoded->smoothing ? Json(verb.energy == "jumps" ? "jumps" : "plate") : Json();
     outcome.json.update(Json{{"smoothing", json_number(encoded->smoothing)},
+                             {"energy", energy},
                              {"merged", encoded->merged},
                              {"outside", encoded->outside},
                              {"beyond", encoded->beyond},
                              {"reason", encoded->reason},
                              {"seconds", watch.seconds()}});
-    outcome.text =
-        text_of(verb.out, encoded->report, "points", reference) + notes_of(*encoded, verb.goal);
+    outcome.text = text_of(verb.out, encoded->report,
+                           data.values.size() == 1 ? "points" : "numbers", reference) +
+                   notes_of(*encoded, verb.goal);
     return outcome;
 }
 
@@ -252,7 +260,8 @@ Result<Outcome> encode_triangles(const TrianglesVerb& verb, const SchemeOptions&
     Outcome outcome;
     outcome.json = report_json(encoded->report);
     outcome.json["seconds"] = watch.seconds();
-    outcome.text = text_of(verb.out, encoded->report, "vertices", reference);
+    outcome.text =
+        text_of(verb.out, encoded->report, verb.over_uv ? "numbers" : "vertices", reference);
     return outcome;
 }
 

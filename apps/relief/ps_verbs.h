@@ -68,6 +68,7 @@ struct FitVerb {
     std::optional<std::int64_t> vertices = {};
     std::string mesh = {};
     std::optional<double> smoothing = {};
+    std::string energy = {};
     std::string gradients = {};
     int levels = 0;
     std::string columns = {};
@@ -115,9 +116,14 @@ struct PsDecodeVerb {
 /// Points with a surface, at the points; or two surfaces, at the vertices of A and all over it.
 [[nodiscard]] Result<Outcome> compare_ps(const std::string& a, const std::string& b,
                                          const std::string& columns);
-/// `moves`: "INDEX:DZ[,DX,DY]".
-[[nodiscard]] Result<Outcome> edit_ps(const std::string& in, const std::string& out, int level,
-                                      const std::vector<std::string>& moves);
+struct PsEditVerb {
+    std::string in;
+    std::string out;
+    int level = 0;                   ///< of `moves`
+    std::vector<std::string> moves;  ///< "INDEX:DZ[,DX,DY]"
+    std::string script;              ///< a file with more of them; empty: none
+};
+[[nodiscard]] Result<Outcome> edit_ps(const PsEditVerb& verb);
 
 /// The jets of all components at each point: out[point * components + component]; all NaN outside.
 struct PsJets {

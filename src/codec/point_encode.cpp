@@ -175,9 +175,10 @@ Result<EncodedPoints> approximate(const Task& task, const Approximation& method)
         return Error{ErrorCode::BadInput,
                      "no_data: none of the points lies on the triangles; compare their extents",
                      "points"};
-    RELIEF_TRY(const ps::LeastSquares squares,
-               ps::LeastSquares::create(
-                   space, {located.data.points, located.triangles, located.data.weights}));
+    RELIEF_TRY(
+        const ps::LeastSquares squares,
+        ps::LeastSquares::create(
+            space, {located.data.points, located.triangles, located.data.weights}, method.energy));
     const std::vector<std::span<const double>> components(located.data.values.begin(),
                                                           located.data.values.end());
     RELIEF_TRY(ps::FittedSplines fitted, squares.fit(components, method.smoothing));
@@ -217,6 +218,7 @@ Result<EncodedPoints> insert_within(const Task& task, const Insertion& method, d
                               {.max_error = share * bound,
                                .most_vertices = method.most_vertices,
                                .smoothing = method.smoothing.value_or(kSmoothing),
+                               .energy = method.energy,
                                .progress = task.progress}));
     const double error = surface.report.max_error;
     const bool limited = surface.space.mesh.vertex_count() >= method.most_vertices;

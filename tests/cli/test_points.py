@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 import os
 import struct
 import xml.etree.ElementTree as ElementTree
@@ -11,7 +12,7 @@ import numpy as np
 from harness import DATA, Case, contents_of, main, read_raster, samples
 
 FIT_KEYS = ("points scheme order levels samples coefficients kept bytes bits_per_sample max_error rms_error "
-            "energy_percent bound vertices triangles delaunay base_bytes surface_bound smoothing merged outside "
+            "energy_percent bound vertices triangles delaunay base_bytes surface_bound smoothing energy merged outside "
             "beyond reason seconds").split()
 
 
@@ -75,6 +76,7 @@ class Interpolation(Points):
         self.assertEqual((report["scheme"], report["delaunay"]), ("powell-sabin", True))
         self.assertEqual((report["merged"], report["outside"], report["beyond"], report["reason"]), (0, 0, 0, ""))
         self.assertIsNone(report["smoothing"])
+        self.assertIsNone(report["energy"])
         # Vertices lie on a lattice with 2^-50 of the extent; slopes are at most 10.
         self.assertLess(np.max(self.errors(file, rows)), 1e-12)
         self.assertLess(report["max_error"], 1e-12)
@@ -242,6 +244,23 @@ class LeastSquares(Points):
         off = rows[:, 2] - matrix @ np.linalg.lstsq(matrix, rows[:, 2], rcond=None)[0]
         self.assertAlmostEqual(rms[-1], np.sqrt(np.mean(np.square(off))), delta=0.01)
 
+    def test_jumps_leave_quadratics(self):
+        source = self.points(scattered(1000, quadratic))
+        _, plate = self.fitted(source, "--vertices", 60, "--smoothing", 1)
+        file, jumps = self.fitted(source, "--vertices", 60, "--smoothing", 1, "--energy", "jumps")
+        self.assertEqual((plate["energy"], jumps["energy"]), ("plate", "jumps"))
+        self.assertGreater(plate["max_error"], 1)
+        # The condition is about 1e9.
+        self.assertLess(jumps["max_error"], 1e-6)
+        # Noise of 0.5 around a quadratic: the rest of six numbers of 1000.
+        noisy = scattered(1000, quadratic, noise=0.5)
+        self.fitted(self.points(noisy, "noisy.xyz"), "--vertices", 60, "--energy", "jumps")
+        off = self.evaluated(file, noisy[:, :2])[:, 0] - quadratic(*noisy[:, :2].T)
+        self.assertLess(np.sqrt(np.mean(np.square(off))), 0.15)
+        _, bounded = self.fitted(source, "--max-error", 0.01, "--energy", "jumps")
+        self.assertLessEqual(bounded["max_error"], 0.01)
+        self.assertLess(bounded["vertices"], 60)
+
     def test_on_a_mesh_with_levels(self):
         mesh = self.path("base.off")
         with open(mesh, "w", encoding="ascii") as file:
@@ -270,7 +289,9 @@ class LeastSquares(Points):
         for options, says in (((("--vertices", 20, "--mesh", "m.obj")), "exclude"),
                               (("--vertices", 2), "at least 3"),
                               (("--levels", 1), "--vertices or --mesh"),
-                              (("--smoothing", 1), "--smoothing needs"),
+                              (("--smoothing", 1), "--smoothing and --energy need"),
+                              (("--energy", "jumps"), "--smoothing and --energy need"),
+                              (("--vertices", 20, "--energy", "none"), "--energy"),
                               (("--vertices", 20, "--smoothing", -1), "from 0 on"),
                               (("--vertices", 20, "--gradients", "zero"), "interpolation"),
                               (("--gradients", "cubic"), "adaptive, quadratic"),
@@ -611,6 +632,47 @@ class Looking(Points):
             self.refuse(2, "edit", self.file, self.path("no.relief"), "--level", 1, "--move", move,
                         says="INDEX:DZ[,DX,DY]")
         self.refuse(2, "edit", self.file, self.path("no.relief"), "--level", 1, "--move", "999:1", says="vert")
+
+    def test_scripts_are_lists_of_moves(self):
+        by_options, by_script = self.path("options.relief"), self.path("script.relief")
+        self.json("edit", self.file, by_options, "--level", 1, "--move", "3:1.5,0.25,-0.5", "--move", "0:2")
+        script = self.script([{"level": 1, "index": 3, "delta": [1.5, 0.25, -0.5]},
+                              {"level": 1, "index": 0, "delta": 2}])
+        report = self.json("edit", self.file, by_script, "--script", script)
+        self.assertEqual((report["moved"], report["edits"]), (2, 2))
+        self.assertEqual(contents_of(by_options), contents_of(by_script))
+        good = {"level": 1, "index": 3, "delta": 1}
+        for change in ({"delta": [1, 2]}, {"delta": []}, {"delta": "1"}, {"index": "3"}, {"level": 1.5},
+                       {"component": "x"}):
+            with self.subTest(change=change):
+                bad = self.script([good, {**good, **change}])
+                self.refuse(1, "edit", self.file, by_script, "--script", bad, says=f"{bad}, move 2")
+        for change in ({"index": 999}, {"index": -1}, {"level": 5}, {"level": -1}, {"component": 1}):
+            with self.subTest(change=change):
+                bad = self.script([good, {**good, **change}])
+                self.refuse(2, "edit", self.file, by_script, "--script", bad, says=f"{bad}, move 2")
+        self.refuse(1, "edit", self.file, by_script, "--script", self.script([7]), says="move 1")
+        self.refuse(1, "edit", self.file, by_script, "--script", self.script({"no": []}), says="list of moves")
+
+    def test_scripts_move_surfaces_in_space(self):
+        rows = scattered(50, quadratic)
+        space = self.points(np.hstack([rows, rows[:, :2]]), "space.xyz")
+        file, _ = self.fitted(space, "--columns", "1,2,3,4,5")
+        places = rows[:, :2]
+        script = self.script({"moves": [{"level": 0, "index": 7, "component": 1, "delta": [1, 0.5, 0]}]})
+        moved = self.path("moved.relief")
+        self.json("edit", file, moved, "--script", script)
+        change = self.evaluated(moved, places) - self.evaluated(file, places)
+        # Vertex 7 is one of the points, and only y changes there.
+        np.testing.assert_allclose(np.sort(change[:, 1])[-2:], [0, 1], atol=1e-12)
+        np.testing.assert_array_equal(change[:, [0, 2]], 0)
+        self.refuse(2, "edit", file, moved, "--level", 0, "--move", "7:1", says="--script")
+
+    def script(self, moves):
+        path = self.path("moves.json")
+        with open(path, "w", encoding="ascii") as file:
+            json.dump(moves, file)
+        return path
 
     def table(self, file, level):
         self.json("decode", file, self.path("table.csv"), "--level", level)

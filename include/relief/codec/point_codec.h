@@ -25,6 +25,7 @@ struct Approximation {
     std::variant<std::size_t, mesh::Triangulation> base;
     int levels = 0;  ///< refinements of the base, each into nine times as many triangles
     std::optional<double> smoothing = {};  ///< none: by cross validation (multires/ps_fit.h)
+    multires::ps::Energy energy = multires::ps::Energy::ThinPlate;
 };
 
 /// A spline of one component on some of the points, with more vertices where points are farther off
@@ -32,6 +33,7 @@ struct Approximation {
 struct Insertion {
     std::size_t most_vertices = static_cast<std::size_t>(-1);
     std::optional<double> smoothing = {};  ///< above 0; none: 1e-10, or interpolation if smaller
+    multires::ps::Energy energy = multires::ps::Energy::ThinPlate;
 };
 
 using PointMethod = std::variant<Interpolation, Approximation, Insertion>;

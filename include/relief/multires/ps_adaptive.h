@@ -30,6 +30,7 @@ struct AdaptiveOptions {
     std::size_t first_vertices = 16;
     std::size_t most_vertices = static_cast<std::size_t>(-1);
     double smoothing = 1e-10;  ///< as LeastSquares::fit; above 0
+    Energy energy = Energy::ThinPlate;
     /// Called with the part of the points that are within the bound; false cancels.
     std::function<bool(double)> progress = {};
 };
