@@ -206,9 +206,9 @@ void decompose(benchmark::State& state) {
             std::move(origin.base), std::move(origin.tags), origin.spec, origin.steps);
         const mesh::Topology& finest = hierarchy.topology(origin.steps);
         for (Index h = 0; h < finest.half_edge_count(); ++h)
-            points[finest.origin[h]] = sample.points[fine.origin[origin.half_edges[h]]];
+            points[finest.origin[h]] = sample.points[fine.origin[origin.half_edge(h)]];
         fine = {};
-        origin.half_edges = {};
+        origin.corners = {};
         const MeshMaps maps = *MeshMaps::create(hierarchy, {});
         StiffResiduals residuals;
         maps.analyse(points.data(), residuals);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -16,8 +17,8 @@ inline void points(std::span<const std::uint8_t> bytes) {
         if (!condition) std::abort();
     };
     for (const PointColumns& columns :
-         {PointColumns{}, PointColumns{.weight = "4"}, PointColumns{.x = "lon", .value = "1"},
-          PointColumns{.values_needed = false}}) {
+         {PointColumns{}, PointColumns{.weight = "4"}, PointColumns{.x = "lon", .values = {"1"}},
+          PointColumns{.values = {"z", "3", "5"}}, PointColumns{.values_needed = false}}) {
         const auto read = parse_points(bytes, "points", columns);
         if (!read.ok()) {
             require(!read.error().message.empty());
@@ -26,10 +27,14 @@ inline void points(std::span<const std::uint8_t> bytes) {
         }
         const std::size_t count = read->places.size();
         require(count > 0);
-        require(read->values.size() == (columns.values_needed ? count : 0));
+        const std::size_t components = std::max<std::size_t>(columns.values.size(), 1);
+        require(read->values.size() == (columns.values_needed ? components : 0));
         require(read->weights.empty() || read->weights.size() == count);
         for (const Vec2 p : read->places) require(std::isfinite(p.x) && std::isfinite(p.y));
-        for (const double value : read->values) require(std::isfinite(value));
+        for (const auto& component : read->values) {
+            require(component.size() == count);
+            for (const double value : component) require(std::isfinite(value));
+        }
         for (const double weight : read->weights) require(std::isfinite(weight) && weight >= 0);
     }
 }

@@ -1,106 +1,107 @@
-"""Runs relief_mesh_codecs over meshes with subdivision connectivity, and says in tables how relief stands beside Draco.
-
-tools/bench_meshes_codec.py BUILD_DIR OUTPUT_DIR prints the section "Meshes: compression" by itself.
-"""
+"""Runs relief_mesh_codecs over meshes with subdivision connectivity, and says in tables how relief stands beside Draco."""
 import json
 import math
-import os
 import pathlib
 import subprocess
-import sys
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-DATA = pathlib.Path(os.environ.get("RELIEF_DATA", ROOT.parent / "shared" / "data")) / "meshes"
+import bench_peers
+from bench_meshes import DATA
+from bench_peers import markdown, met, number
+
+PROGRAM = pathlib.Path("bench") / "peers" / "relief_mesh_codecs"
 # Those of the folder that are subdivisions of something.
 FILES = ("mushroom.off", "camel.off", "hemisphere.off", "osd_loop_saddle_edgecorner_level4.obj",
          "osd_catmark_cube_level4.obj", "osd_catmark_tent_level4.obj")
 
-# Bytes of relief over those of Draco at most, by measure and error; waves only: smooth, rough.
-RATIO_TARGETS = {("surface rms", 1e-3): (0.20, 0.20), ("surface rms", 3e-4): (0.40, 0.40),
-                 ("surface rms", 1e-4): (0.35, 0.70), ("vertex max", 1e-4): (0.40, 0.40)}
+# Bytes of relief over those of Draco at most, by kind of mesh and goal.
+RATIO_TARGETS = {"smooth": {("surface rms", 1e-3): 0.20, ("surface rms", 3e-4): 0.40, ("surface rms", 1e-4): 0.35,
+                            ("vertex max", 1e-4): 0.40},
+                 "rough": {("surface rms", 1e-3): 0.20, ("surface rms", 3e-4): 0.40, ("surface rms", 1e-4): 0.70,
+                           ("vertex max", 1e-4): 0.40}}
 EXACT_TARGET = 0.02  # bits a vertex beside the base
 
 
-def run(build: pathlib.Path, output: pathlib.Path) -> list[dict]:
-    files = [DATA / name for name in FILES if (DATA / name).exists()]
-    done = subprocess.run([build / "bench" / "peers" / "relief_mesh_codecs", "--waves", "--exact", *files],
-                          check=True, capture_output=True, text=True)
-    (output / "mesh_codecs.jsonl").write_text(done.stdout)
-    return [json.loads(line) for line in done.stdout.splitlines()]
+class Lines:
+    """What relief_mesh_codecs printed."""
 
+    def __init__(self, lines: list[dict]):
+        self.libraries = lines[0]["libraries"]
+        ours = [line for line in lines[1:] if line["codec"] == "relief"]
+        self.of = {(line["mesh"], line["goal"], line["value"]): line for line in ours}
+        self.goals = list(dict.fromkeys((line["goal"], line["value"]) for line in ours))
+        self.meshes = list({line["mesh"]: line for line in ours}.values())
+        self.draco = {mesh["mesh"]: sorted((line["surface rms"], line["vertex max"], line["bytes"]) for line in lines[1:]
+                                           if line["codec"] == "Draco" and line["mesh"] == mesh["mesh"]) for mesh in self.meshes}
 
-def of_draco(lines: list[dict], mesh: str, goal: str, error: float) -> float | None:
-    """Bytes of Draco at an error: between two of its files, linear in the logarithm of the error."""
-    points = sorted((line[goal], line["bytes"]) for line in lines if line.get("codec") == "Draco" and line["mesh"] == mesh)
-    # Where fewer bits give larger files, nobody takes them.
-    for (low, more), (high, less) in zip(points, points[1:]):
-        if low <= error <= high:
-            share = math.log(error / low) / math.log(high / low)
-            return min(more, more + share * (less - more))
-    return None
-
-
-def markdown(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
-    widths = [max(len(row[k]) for row in [head, *rows]) for k in range(len(head))]
-    lines = [head, tuple("-" * width for width in widths), *rows]
-    return "\n".join("| " + " | ".join(cell.ljust(width) for cell, width in zip(line, widths)) + " |" for line in lines)
-
-
-def target_of(mesh: str, goal: str, error: float) -> float | None:
-    smooth = mesh.startswith("smooth")
-    if not smooth and not mesh.startswith("rough"):
+    def of_draco(self, mesh: str, goal: str, error: float) -> float | None:
+        """Bytes of Draco at an error: between two of its files, linear in the logarithm of the error."""
+        points = [(rms if goal == "surface rms" else most, size) for rms, most, size in self.draco[mesh]]
+        for (low, more), (high, less) in zip(points, points[1:]):
+            if low <= error <= high:
+                share = math.log(error / low) / math.log(high / low)
+                # Where fewer bits give larger files, nobody takes them.
+                return min(more, more + share * (less - more))
         return None
-    targets = RATIO_TARGETS.get((goal, error))
-    return targets[0 if smooth else 1] if targets else None
+
+    def ratio(self, mesh: str, goal: tuple[str, float]) -> float | None:
+        """Bytes of relief over those of Draco at the error that relief has."""
+        line = self.of[mesh, *goal]
+        theirs = self.of_draco(mesh, goal[0], line["error"])
+        return line["bytes"] / theirs if theirs else None
 
 
-def at_equal_errors(lines: list[dict]) -> str:
+def run(build: pathlib.Path, output: pathlib.Path, quick: bool) -> Lines:
+    files = [] if quick else ["--waves", *(DATA / name for name in FILES if (DATA / name).exists())]
+    raw = output / "mesh_codecs.jsonl"
+    with raw.open("w") as out:
+        subprocess.run([build / PROGRAM, "--exact", *files], check=True, stdout=out)
+    return Lines([json.loads(line) for line in raw.read_text().splitlines()])
+
+
+def kind_of(mesh: str) -> str | None:
+    return next((kind for kind in RATIO_TARGETS if mesh.startswith(kind)), None)
+
+
+def goal_names(lines: Lines) -> list[str]:
+    return [f"{goal} {value:g}" for goal, value in lines.goals]
+
+
+def ratios(lines: Lines) -> str:
     rows = []
-    for line in lines:
-        if line.get("codec") != "relief":
+    for mesh in lines.meshes:
+        name, kind = mesh["mesh"], kind_of(mesh["mesh"])
+        values = [lines.ratio(name, goal) for goal in lines.goals]
+        targets = [RATIO_TARGETS[kind][goal] for goal in lines.goals] if kind else []
+        rows.append((name, f"{mesh['scheme']}, {mesh['levels']} over {mesh['base_vertices']}", str(mesh["vertices"]),
+                     *(number(value) for value in values), " / ".join(f"{target:g}" for target in targets),
+                     " / ".join(met(value, target) for value, target in zip(values, targets))))
+    return markdown(("mesh", "scheme, levels over base vertices", "vertices", *goal_names(lines), "target", "met"), rows)
+
+
+def sizes(lines: Lines) -> str:
+    rows = [(mesh["mesh"], *(str(lines.of[mesh["mesh"], *goal]["bytes"]) for goal in lines.goals), str(mesh["order_bytes"]))
+            for mesh in lines.meshes]
+    return markdown(("mesh", *goal_names(lines), "to keep numbers"), rows)
+
+
+def exact(lines: Lines) -> str:
+    """Bits beside the base where nothing but the base has anything to say."""
+    rows = []
+    for mesh in lines.meshes:
+        if "surface" not in mesh["mesh"]:
             continue
-        mesh, goal, error = line["mesh"], line["goal"], line["value"]
-        theirs = of_draco(lines, mesh, goal, line["error"])
-        ratio = line["bytes"] / theirs if theirs else None
-        target = target_of(mesh, goal, error)
-        rows.append((mesh, f"{line['scheme']}, {line['levels']} over {line['base_vertices']}", str(line["vertices"]),
-                     f"{goal} {error:g}", str(line["bytes"]), f"{8 * line['bytes'] / line['vertices']:.3f}",
-                     str(line["bytes"] + line["order_bytes"]), f"{theirs:.0f}" if theirs else "-",
-                     f"{ratio:.3f}" if ratio else "-", f"<= {target:g}" if target else "",
-                     ("yes" if ratio <= target else "no") if ratio and target else ""))
-    return markdown(("mesh", "scheme, levels over base vertices", "vertices", "goal", "bytes", "bits a vertex",
-                     "keeping numbers", "Draco", "ours / Draco", "target", "met"), rows)
+        files = [lines.of[mesh["mesh"], *goal] for goal in lines.goals if goal[1] == 1e-4]
+        bits = [8 * (line["bytes"] - line["base_bytes"]) / line["vertices"] for line in files]
+        rows.append((mesh["mesh"], *(f"{line['base_bytes']}" for line in files), *(number(value, "%.4f") for value in bits),
+                     f"<= {EXACT_TARGET:g}", " / ".join(met(value, EXACT_TARGET) for value in bits)))
+    kinds = [goal for goal, value in lines.goals if value == 1e-4]
+    return markdown(("mesh", *(f"base, {kind}" for kind in kinds), *(f"bits beside it, {kind}" for kind in kinds), "target", "met"),
+                    rows)
 
 
-def of_exact_surfaces(lines: list[dict]) -> str:
-    rows = []
-    for line in lines:
-        if line.get("codec") == "relief" and "surface" in line["mesh"] and line["value"] == 1e-4:
-            bits = 8 * (line["bytes"] - line["base_bytes"]) / line["vertices"]
-            rows.append((line["mesh"], line["goal"], str(line["base_bytes"]), f"{bits:.4f}", f"<= {EXACT_TARGET:g}",
-                         "yes" if bits <= EXACT_TARGET else "no"))
-    return markdown(("mesh", "error 1e-4", "bytes of the base", "bits a vertex beside it", "target", "met"), rows)
+SECTIONS = [("Meshes: bytes over those of Draco at the same error", ratios), ("Meshes: bytes", sizes),
+            ("Meshes: subdivision surfaces, errors of 1e-4", exact)]
 
 
-def report(lines: list[dict]) -> str:
-    return "\n\n".join([
-        f"Draco {lines[0]['libraries']['Draco']}. Errors are fractions of the diagonal of the bounding box; *surface rms* is the larger root "
-        "mean square distance of both ways at 60000 points each, *vertex max* the largest distance of a vertex from where it was. "
-        "Draco: the smallest file of speeds 0, 1, 3, 5 and 7 at 5 to 20 bits, interpolated in the logarithm of the error to the error "
-        "that relief has. It numbers vertices anew, so `--reorder` stands beside it; *keeping numbers* adds what the order takes. Quads go "
-        "to Draco as triangles.",
-        at_equal_errors(lines), of_exact_surfaces(lines)])
-
-
-def main() -> int:
-    if len(sys.argv) != 3:
-        print(__doc__, file=sys.stderr)
-        return 2
-    build, output = map(pathlib.Path, sys.argv[1:])
-    output.mkdir(parents=True, exist_ok=True)
-    print(report(run(build, output)))
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+def report(lines: Lines) -> str:
+    return bench_peers.sections(lines, SECTIONS)

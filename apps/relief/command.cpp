@@ -10,6 +10,7 @@
 #include <csignal>
 #include <filesystem>
 
+#include "level_files.h"
 #include "relief/io/file.h"
 #include "relief/io/file_kind.h"
 #include "relief/io/raster.h"
@@ -133,10 +134,7 @@ Error located(Error error, const std::string& path) {
 
 Result<codec::RasterFile> open_relief(const std::string& path,
                                       std::optional<std::uint64_t> max_bytes) {
-    RELIEF_TRY(auto source, io::open_source(path));
-    auto file = codec::RasterFile::open(std::move(source), max_bytes.value_or(UINT64_MAX));
-    if (!file.ok()) return located(file.error(), path);
-    return file;
+    return open_file<codec::RasterFile>(path, max_bytes);
 }
 
 namespace {

@@ -130,6 +130,11 @@ struct SchemeOptions {
 
 /// The same error, saying which file it is about.
 [[nodiscard]] Error located(Error error, const std::string& path);
+template <class T>
+[[nodiscard]] Result<T> located(Result<T> result, const std::string& path) {
+    if (result.ok()) return result;
+    return located(result.error(), path);
+}
 
 /// Opens a .relief file or its first `max_bytes` bytes.
 [[nodiscard]] Result<codec::RasterFile> open_relief(const std::string& path,

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 
+#include "level_files.h"
 #include "ps_verbs.h"
 #include "quad_verbs.h"
 #include "relief/io/file.h"
@@ -92,42 +92,23 @@ struct Box {
     }
 };
 
-Result<codec::MeshMove> parse_move(const std::string& text, int level) {
-    codec::MeshMove move{level, 0, {}};
-    const char* at = text.data();
-    const char* end = at + text.size();
-    const auto index = std::from_chars(at, end, move.vertex);
-    bool good = index.ec == std::errc();
-    at = index.ptr;
-    for (std::size_t k = 0; k < 3 && good; ++k) {
-        good = at != end && *at == (k == 0 ? ':' : ',');
-        if (!good) break;
-        const auto number = std::from_chars(at + 1, end, move.delta[k]);
-        good = number.ec == std::errc();
-        at = number.ptr;
-    }
-    if (good && at == end) return move;
-    return Error{ErrorCode::InvalidArgument,
-                 "--move of a mesh takes INDEX:DX,DY,DZ, not '" + text + "'", ""};
+bool set(codec::MeshMove& move, const std::vector<double>& numbers) {
+    if (numbers.size() != 3) return false;
+    std::copy(numbers.begin(), numbers.end(), move.delta.begin());
+    return true;
 }
+
+constexpr FaceCount<mesh::MeshCounts> kFaces = {"faces", &mesh::MeshCounts::faces};
 
 }  // namespace
 
 bool holds_mesh(const std::string& path) {
-    if (io::recognise(path) != io::FileKind::Relief) return false;
-    const auto source = io::open_source(path);
-    if (!source.ok()) return false;
-    const auto content = codec::content_of(*source);
-    return content.ok() && *content == "mesh";
+    return holds(path, "mesh");
 }
 
 Result<codec::MeshFile> open_mesh_file(const std::string& path,
                                        std::optional<std::uint64_t> max_bytes) {
-    RELIEF_TRY(const auto source, io::open_source(path));
-    auto file = codec::MeshFile::open(
-        source, max_bytes.value_or(std::numeric_limits<std::uint64_t>::max()));
-    if (!file.ok()) return located(file.error(), path);
-    return file;
+    return open_file<codec::MeshFile>(path, max_bytes);
 }
 
 Result<PolygonMesh> read_polygons(const std::string& path, int level) {
@@ -272,66 +253,31 @@ Result<Outcome> decode_mesh(const std::string& in, const std::string& out, int l
 Result<Outcome> info_of_mesh_file(const std::string& path) {
     RELIEF_TRY(const codec::MeshFile file, open_mesh_file(path));
     const bool sound = file.checksums_ok();
-    Json levels = Json::array();
-    Json bands = Json::array();
-    std::uint64_t coarser = 0;
-    for (int level = file.levels(); level >= 0; --level) {
-        const mesh::MeshCounts counts = file.counts(level);
-        bands.push_back(Json{{"name", level == file.levels() ? "base" : "details"},
-                             {"level", level},
-                             {"vertices", counts.vertices - coarser}});
-        coarser = counts.vertices;
-    }
-    for (int level = 0; level <= file.levels(); ++level) {
-        const mesh::MeshCounts counts = file.counts(level);
-        levels.push_back(Json{{"level", level},
-                              {"vertices", counts.vertices},
-                              {"faces", counts.faces},
-                              {"bytes", file.bytes_for(level)},
-                              {"bound", json_number(file.bound(level))}});
-    }
+    const Json levels = levels_json(file, kFaces);
     const char* scheme = multires::mesh_scheme_name(file.spec().scheme);
+    const Json bands =
+        bands_json(file, [&](int level) { return level == file.levels() ? "base" : "details"; });
     Outcome outcome;
-    outcome.json = Json{{"format", "relief"},
-                        {"content", "mesh"},
-                        {"version", file.version()},
-                        {"scheme", scheme},
-                        {"order", nullptr},
-                        {"levels", file.levels()},
-                        {"lossless", file.lossless()},
-                        {"step", json_number(file.step())},
-                        {"bands", bands},
-                        {"level_list", levels},
-                        {"chunks", chunks_json(file)},
-                        {"bytes", file.size()},
-                        {"max_error", json_number(file.max_error())},
-                        {"rms_error", json_number(file.rms_error())},
-                        {"distance", mesh_distance_name(file.distance())},
-                        {"bound", json_number(file.bound(0))},
-                        {"edits", file.moves().size()},
-                        {"crs", ""},
-                        {"extent", nullptr},
-                        {"checksums_ok", sound}};
-    outcome.text = fmt::format(
-        "{}: relief version {}, {} bytes, checksums {}\n"
-        "mesh of {} vertices and {} faces, scheme {}, {} levels{}\n",
-        path, file.version(), grouped(static_cast<std::int64_t>(file.size())),
-        sound ? "hold" : "DO NOT HOLD", grouped(static_cast<std::int64_t>(file.counts(0).vertices)),
-        grouped(static_cast<std::int64_t>(file.counts(0).faces)), scheme, file.levels(),
-        file.lossless() ? ", lossless" : "");
-    if (file.edited())
-        outcome.text += fmt::format("edited by {} move{}\n", file.moves().size(),
-                                    file.moves().size() == 1 ? "" : "s");
-    else
-        outcome.text += fmt::format("{} within {} of the original (rms {})\n",
-                                    mesh_distance_name(file.distance()), shown(file.max_error()),
-                                    shown(file.rms_error()));
-    outcome.text += "level     vertices        faces      bytes to read\n";
-    for (const Json& level : levels)
-        outcome.text += fmt::format("{:5} {:>12} {:>12} {:>18}\n", level["level"].get<int>(),
-                                    grouped(level["vertices"].get<std::int64_t>()),
-                                    grouped(level["faces"].get<std::int64_t>()),
-                                    grouped(level["bytes"].get<std::int64_t>()));
+    outcome.json = info_json(file,
+                             {.content = "mesh",
+                              .scheme = scheme,
+                              .order = nullptr,
+                              .more = Json{{"lossless", file.lossless()},
+                                           {"step", json_number(file.step())},
+                                           {"distance", mesh_distance_name(file.distance())}},
+                              .bands = bands,
+                              .levels = levels},
+                             sound);
+    outcome.text = head_text(path, file, sound);
+    outcome.text += fmt::format("mesh of {} vertices and {} faces, scheme {}, {} levels{}\n",
+                                grouped(static_cast<std::int64_t>(file.counts(0).vertices)),
+                                grouped(static_cast<std::int64_t>(file.counts(0).faces)), scheme,
+                                file.levels(), file.lossless() ? ", lossless" : "");
+    outcome.text += file.edited() ? edits_text(file.moves().size()) + '\n'
+                                  : fmt::format("{} within {} of the original (rms {})\n",
+                                                mesh_distance_name(file.distance()),
+                                                shown(file.max_error()), shown(file.rms_error()));
+    outcome.text += levels_text(levels, kFaces.name);
     return outcome;
 }
 
@@ -415,41 +361,19 @@ Result<Outcome> compare_meshes(const std::string& path_a, const std::string& pat
 
 Result<Outcome> edit_mesh(const std::string& in, const std::string& out, int level,
                           const std::vector<std::string>& texts) {
-    std::vector<codec::MeshMove> moves;
-    for (const std::string& text : texts) {
-        RELIEF_TRY(const codec::MeshMove move, parse_move(text, level));
-        moves.push_back(move);
-    }
-    if (moves.empty())
-        return Error{ErrorCode::InvalidArgument,
-                     "nothing to do; give --level K --move INDEX:DX,DY,DZ", ""};
-    RELIEF_TRY(Bytes bytes, io::read_file(in));
-    const auto edited = codec::add_mesh_moves(std::move(bytes), moves);
-    if (!edited.ok()) return located(edited.error(), in);
-    const auto after_file = codec::MeshFile::open(*edited);
-    if (!after_file.ok()) return located(after_file.error(), in);
+    RELIEF_TRY(const auto moves,
+               parse_moves<codec::MeshMove>(texts, level, {"a mesh", "INDEX:DX,DY,DZ"}, set));
+    RELIEF_TRY(const auto result, edited<codec::MeshFile>(in, moves, codec::add_mesh_moves));
     RELIEF_TRY(const PolygonMesh before, read_polygons(in));
-    const auto after = after_file->decode(0);
-    if (!after.ok()) return located(after.error(), in);
-    RELIEF_CHECK(io::write_file_atomically(out, *edited));
-    PolygonMesh touched;
+    RELIEF_TRY(const PolygonMesh after, located(result.file.decode(0), in));
+    RELIEF_CHECK(io::write_file_atomically(out, result.bytes));
+    Touched<3> touched;
     for (std::size_t v = 0; v < before.vertices.size(); ++v)
-        if (before.vertices[v] != after->vertices[v])
-            touched.vertices.push_back(after->vertices[v]);
-    const Box box(touched);
-    const Json bounds = touched.vertices.empty()
-                            ? Json(nullptr)
-                            : Json::array({box.low[0], box.low[1], box.low[2], box.high[0],
-                                           box.high[1], box.high[2]});
+        if (before.vertices[v] != after.vertices[v]) touched.add(after.vertices[v]);
     Outcome outcome;
-    outcome.json = Json{{"moved", moves.size()},
-                        {"touched", touched.vertices.size()},
-                        {"bounds", bounds},
-                        {"edits", after_file->moves().size()},
-                        {"bytes", edited->size()}};
-    outcome.text =
-        fmt::format("{}: {} vertices of level {} moved, {} vertices touched\n", out, moves.size(),
-                    level, grouped(static_cast<std::int64_t>(touched.vertices.size())));
+    outcome.json = edit_json(result, moves.size(), touched);
+    outcome.text = fmt::format("{}: {} vertices of level {} moved, {} vertices touched\n", out,
+                               moves.size(), level, grouped(touched.count()));
     return outcome;
 }
 

@@ -85,10 +85,10 @@ void add_triangle(const PsLevel& level, std::span<const ps::TangentPlanes> plane
     const auto places = places_of(element);
     for (std::uint32_t k = 0; k < kPoints; ++k) {
         const Vec2 place = mesh.origin + element.centre() + places[k];
-        nets.points.push_back(planes.size() == 3
-                                  ? std::array{values[0][k], values[1][k], values[2][k]}
-                                  : std::array{place.x, place.y, values[0][k]});
+        const auto first_value = static_cast<std::ptrdiff_t>(nets.values.size());
         for (std::size_t m = 0; m < planes.size(); ++m) nets.values.push_back(values[m][k]);
+        nets.points.push_back(
+            in_space(place, {nets.values.begin() + first_value, nets.values.end()}));
         const Vec2 gradient = level.surface.jet(t, element.centre() + places[k]).gradient;
         nets.gradients.insert(nets.gradients.end(), {gradient.x, gradient.y});
     }
@@ -102,13 +102,10 @@ void add_triangle(const PsLevel& level, std::span<const ps::TangentPlanes> plane
 
 Status write_bezier(const PsLevel& level, const std::string& path) {
     const int components = level.surface.components();
+    RELIEF_CHECK(check_in_space(components));
     const mesh::Triangulation& mesh = level.space().mesh;
-    if (components == 2 || mesh.triangles.size() > UINT32_MAX / kPoints)
-        return Error{ErrorCode::Unsupported,
-                     components == 2 ? "two components are no surface in space; decode them as a "
-                                       "raster or .csv"
-                                     : "too many triangles for one .vtu file",
-                     path};
+    if (mesh.triangles.size() > UINT32_MAX / kPoints)
+        return Error{ErrorCode::Unsupported, "too many triangles for one .vtu file", path};
     std::vector<ps::TangentPlanes> planes;
     for (const ps::Coefficients& spline : level.data->components)
         planes.push_back(ps::tangent_planes(level.space(), spline));

@@ -34,10 +34,15 @@ Result<Pairs> at_points(const std::string& points, const std::string& file,
                         const std::string& columns_text) {
     RELIEF_TRY(const io::PointColumns columns, columns_of(columns_text));
     RELIEF_TRY(io::PointSet set, io::read_points(points, columns));
-    Pairs pairs{std::move(set.places), std::move(set.values)};
+    Pairs pairs{std::move(set.places), {}};
+    pairs.components = set.values.size();
+    for (std::size_t k = 0; k < pairs.places.size(); ++k)
+        for (const auto& component : set.values) pairs.reference.push_back(component[k]);
     RELIEF_TRY(pairs.other, values_at(file, pairs.places));
     if (pairs.other.size() == pairs.reference.size()) return pairs;
-    return Error{ErrorCode::BadInput, "has several components, points have one value", file};
+    return Error{ErrorCode::BadInput,
+                 "has another number of components than the points; --columns says which they are",
+                 file};
 }
 
 /// The vertices of A and samples all over it.

@@ -95,17 +95,26 @@ Result<Frame> window_of(Frame frame, const std::vector<std::int64_t>& window) {
     return frame;
 }
 
-Raster description_of(const Frame& frame) {
+/// A surface that becomes a raster, and what its numbers are.
+struct Sampled {
+    const ps::Surface& surface;
+    const codec::PsReference& reference;
+};
+
+Raster description_of(const Frame& frame, const codec::PsReference& reference) {
     Raster raster;
     raster.rows = frame.box.rows;
     raster.cols = frame.box.cols;
     raster.type = SampleType::Float64;
     raster.geo = frame.geo();
+    raster.geo.crs = reference.crs;
+    raster.unit = reference.unit;
     return raster;
 }
 
-Result<Raster> sample(const ps::Surface& surface, const Frame& frame) {
-    Raster raster = description_of(frame);
+Result<Raster> sample(const Sampled& source, const Frame& frame) {
+    const ps::Surface& surface = source.surface;
+    Raster raster = description_of(frame, source.reference);
     raster.mask = Grid<std::uint8_t>(raster.rows, raster.cols);
     for (int c = 0; c < surface.components(); ++c) {
         Grid<double> plane(raster.rows, raster.cols);
@@ -118,31 +127,24 @@ Result<Raster> sample(const ps::Surface& surface, const Frame& frame) {
     return raster;
 }
 
-Status write_samples(const ps::Surface& surface, const Frame& frame, const std::string& path,
+Status write_samples(const Sampled& source, const Frame& frame, const std::string& path,
                      const Globals& globals) {
     const Progress progress = progress_bar(globals, "decoding");
-    RELIEF_TRY(auto writer, io::RasterWriter::create(path, description_of(frame),
-                                                     surface.components(), io::Holes::Possible));
+    RELIEF_TRY(auto writer,
+               io::RasterWriter::create(path, description_of(frame, source.reference),
+                                        source.surface.components(), io::Holes::Possible));
     const LatticeBox& box = frame.box;
     const std::int64_t height = std::max<std::int64_t>(1, kStrip / box.cols);
     for (std::int64_t row = 0; row < box.rows; row += height) {
         Frame strip = frame;
         strip.box.row0 += row;
         strip.box.rows = std::min(height, box.rows - row);
-        RELIEF_TRY(const Raster samples, sample(surface, strip));
+        RELIEF_TRY(const Raster samples, sample(source, strip));
         RELIEF_CHECK(writer.write(row, samples));
         if (!progress(static_cast<double>(row + strip.box.rows) / static_cast<double>(box.rows)))
             return Error{ErrorCode::Cancelled, "decoding was cancelled", path};
     }
     return writer.commit();
-}
-
-/// The place of the numbers of all components in space.
-Result<std::array<double, 3>> in_space(Vec2 place, std::span<const double> values) {
-    if (values.size() == 1) return std::array{place.x, place.y, values[0]};
-    if (values.size() == 3) return std::array{values[0], values[1], values[2]};
-    return Error{ErrorCode::Unsupported,
-                 "two components are no surface in space; decode them as a raster or .csv", ""};
 }
 
 /// The tangent planes of all components. Values that the file holds are exact.
@@ -182,15 +184,19 @@ Status write_table(const codec::PsFile& file, const PsLevel& level, const std::s
 }
 
 Result<PolygonMesh> polygons_of(const codec::PsFile& file, const PsLevel& level) {
+    RELIEF_CHECK(check_in_space(file.components()));
     RELIEF_TRY(const auto components, planes_of(file, level));
     const mesh::Triangulation& mesh = level.space().mesh;
     PolygonMesh polygons;
+    MeshAttribute parameters{"uv", 2};
     std::vector<double> values(components.size());
     for (Index v = 0; v < mesh.vertex_count(); ++v) {
         for (std::size_t m = 0; m < components.size(); ++m) values[m] = components[m][v].value;
-        RELIEF_TRY(const auto vertex, in_space(mesh.origin + mesh.vertex(v), values));
-        polygons.vertices.push_back(vertex);
+        const Vec2 place = mesh.origin + mesh.vertex(v);
+        polygons.vertices.push_back(in_space(place, values));
+        parameters.values.insert(parameters.values.end(), {place.x, place.y});
     }
+    if (components.size() == 3) polygons.attributes.push_back(std::move(parameters));
     for (const auto& triangle : mesh.triangles) {
         std::array<std::int32_t, 3> corners{};
         std::copy(triangle.begin(), triangle.end(), corners.begin());
@@ -206,7 +212,7 @@ Status write_raster_of(const codec::PsFile& file, const PsLevel& level, const Ps
         verb.cell.value_or(default_cell(extent, file.counts(0).vertices)) / verb.scale;
     RELIEF_TRY(const Frame all, aligned_frame(extent, cell));
     RELIEF_TRY(const Frame frame, window_of(all, verb.window));
-    RELIEF_CHECK(write_samples(level.surface, frame, verb.out, globals));
+    RELIEF_CHECK(write_samples({level.surface, file.reference()}, frame, verb.out, globals));
     outcome.json["samples"] = frame.box.count();
     outcome.json["rows"] = frame.box.rows;
     outcome.json["cols"] = frame.box.cols;
@@ -284,7 +290,7 @@ Result<Raster> picture_raster(const std::string& path, int level, int columns) {
     const auto cells = [cell](double length) {
         return std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(length / cell)));
     };
-    return sample(opened->surface,
+    return sample({opened->surface, file.reference()},
                   {{extent.low.x, extent.high.y}, cell, {0, 0, cells(size.y), cells(size.x)}});
 }
 

@@ -6,6 +6,7 @@
 #include "mesh_verbs.h"
 #include "ps_verbs.h"
 #include "relief/codec/point_codec.h"
+#include "relief/io/crs.h"
 #include "relief/io/file.h"
 
 namespace relief::cli {
@@ -37,8 +38,9 @@ Status check(const FitVerb& verb) {
     if (!verb.gradients.empty() && least_squares)
         return wrong("--gradients are for interpolation, without --vertices and --mesh");
     if (verb.levels != 0 && !least_squares) return wrong("--levels needs --vertices or --mesh");
-    if (verb.smoothing && !least_squares && !(bounded && verb.gradients.empty()))
-        return wrong("--smoothing needs --vertices, --mesh or --max-error");
+    if ((verb.smoothing || !verb.energy.empty()) && !least_squares &&
+        !(bounded && verb.gradients.empty()))
+        return wrong("--smoothing and --energy need --vertices, --mesh or --max-error");
     if (verb.smoothing && !(*verb.smoothing >= 0 && std::isfinite(*verb.smoothing)))
         return wrong("--smoothing must be a number from 0 on");
     return {};
@@ -48,10 +50,12 @@ Status check(const FitVerb& verb) {
 Result<codec::PointMethod> method_of(const FitVerb& verb) {
     RELIEF_CHECK(check(verb));
     const bool bounded = verb.goal && verb.goal->kind == codec::Goal::Kind::MaxError;
+    const ps::Energy energy = verb.energy == "jumps" ? ps::Energy::Jump : ps::Energy::ThinPlate;
     if (verb.gradients.empty() && bounded && verb.mesh.empty() && verb.levels == 0) {
         codec::Insertion insertion;
         if (verb.vertices) insertion.most_vertices = static_cast<std::size_t>(*verb.vertices);
         insertion.smoothing = verb.smoothing;
+        insertion.energy = energy;
         return codec::PointMethod(insertion);
     }
     if (!verb.vertices && verb.mesh.empty()) {
@@ -61,6 +65,7 @@ Result<codec::PointMethod> method_of(const FitVerb& verb) {
     codec::Approximation approximation;
     approximation.levels = verb.levels;
     approximation.smoothing = verb.smoothing;
+    approximation.energy = energy;
     if (verb.vertices) {
         approximation.base = static_cast<std::size_t>(*verb.vertices);
     } else {
@@ -81,15 +86,17 @@ Json report_json(const codec::PsReport& report) {
     return json;
 }
 
-std::string text_of(const std::string& out, const codec::PsReport& report, const char* what) {
+std::string text_of(const std::string& out, const codec::PsReport& report, const char* what,
+                    const codec::PsReference& reference) {
+    const std::string unit = reference.unit.empty() ? "" : " " + reference.unit;
     return fmt::format(
         "{}: {} {} -> {} bytes, {:.4g} bits each\n"
         "scheme powell-sabin on {} vertices and {} triangles, {} levels; {} of {} numbers kept\n"
-        "max error {}, rms error {}\n",
+        "max error {}{}, rms error {}{}\n",
         out, grouped(report.samples), what, grouped(static_cast<std::int64_t>(report.bytes)),
         report.bits_per_sample, grouped(report.vertices), grouped(report.triangles), report.levels,
-        grouped(report.kept), grouped(report.coefficients), shown(report.max_error),
-        shown(report.rms_error));
+        grouped(report.kept), grouped(report.coefficients), shown(report.max_error), unit,
+        shown(report.rms_error), unit);
 }
 
 std::string notes_of(const codec::EncodedPoints& encoded, const std::optional<codec::Goal>& goal) {
@@ -110,25 +117,47 @@ std::string notes_of(const codec::EncodedPoints& encoded, const std::optional<co
 
 }  // namespace
 
+void ReferenceOptions::add_to(CLI::App& verb) {
+    verb.add_option("--crs", crs,
+                    "of the coordinates of points or triangles: EPSG:26911, WKT, a PROJ string or "
+                    "a .prj file; kept in the file, and written to rasters decoded from it");
+    verb.add_option("--unit", unit, "of their values: m, ft, ..; kept likewise");
+}
+
+Result<codec::PsReference> ReferenceOptions::reference() const {
+    codec::PsReference reference{"", unit};
+    if (crs.empty()) return reference;
+    RELIEF_TRY(reference.crs, io::crs_from_user(crs));
+    return reference;
+}
+
 Result<Outcome> fit_points(const FitVerb& verb, const Globals& globals) {
     const Stopwatch watch;
     RELIEF_TRY(const codec::PointMethod method, method_of(verb));
     RELIEF_TRY(const io::PointColumns columns, columns_of(verb.columns));
-    RELIEF_TRY(const io::PointSet points, io::read_points(verb.in, columns));
-    const auto encoded = codec::encode_points({points.places, points.values, points.weights},
-                                              method, verb.goal, progress_bar(globals, "fitting"));
+    RELIEF_TRY(const codec::PsReference reference, verb.reference.reference());
+    RELIEF_TRY(io::PointSet points, io::read_points(verb.in, columns));
+    const codec::PsData data{std::move(points.places), std::move(points.values),
+                             std::move(points.weights)};
+    const auto encoded =
+        codec::encode_points(data, method, verb.goal, progress_bar(globals, "fitting"), reference);
     if (!encoded.ok()) return located(encoded.error(), verb.in);
     RELIEF_CHECK(io::write_file_atomically(verb.out, encoded->bytes));
     Outcome outcome;
-    outcome.json = Json{{"points", points.places.size()}};
+    outcome.json = Json{{"points", data.points.size()}};
     outcome.json.update(report_json(encoded->report));
+    const Json energy =
+        encoded->smoothing ? Json(verb.energy == "jumps" ? "jumps" : "plate") : Json();
     outcome.json.update(Json{{"smoothing", json_number(encoded->smoothing)},
+                             {"energy", energy},
                              {"merged", encoded->merged},
                              {"outside", encoded->outside},
                              {"beyond", encoded->beyond},
                              {"reason", encoded->reason},
                              {"seconds", watch.seconds()}});
-    outcome.text = text_of(verb.out, encoded->report, "points") + notes_of(*encoded, verb.goal);
+    outcome.text = text_of(verb.out, encoded->report,
+                           data.values.size() == 1 ? "points" : "numbers", reference) +
+                   notes_of(*encoded, verb.goal);
     return outcome;
 }
 
@@ -153,8 +182,64 @@ Result<mesh::Triangulation> triangulation_of(const PolygonMesh& polygons, const 
     return mesh;
 }
 
-Result<Outcome> encode_triangles(const std::string& in, const std::string& out,
-                                 const SchemeOptions& scheme, const codec::Goal& goal,
+namespace {
+
+/// A mesh in the plane of its texture coordinates.
+struct Unwrapped {
+    PolygonMesh mesh;
+    std::vector<std::int32_t> origin;  ///< of each vertex that in space
+};
+
+/// Vertices with several texture coordinates, at seams, become several vertices.
+Result<Unwrapped> unwrap(const PolygonMesh& mesh, const std::string& path) {
+    const MeshAttribute* uv = mesh.attribute("uv");
+    if (uv == nullptr)
+        return Error{ErrorCode::BadInput, "has no texture coordinates, which --uv needs", path};
+    using VertexElement = std::array<std::int32_t, 2>;
+    std::vector<VertexElement> corners;
+    for (std::size_t k = 0; k < mesh.corners.size(); ++k) {
+        const std::int32_t element = uv->face_varying() ? uv->corners[k] : mesh.corners[k];
+        if (element < 0)
+            return Error{ErrorCode::BadInput, "has faces without texture coordinates", path};
+        corners.push_back({mesh.corners[k], element});
+    }
+    std::vector<VertexElement> vertices = corners;
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    Unwrapped flat;
+    for (const auto& [vertex, element] : vertices) {
+        flat.mesh.vertices.push_back({uv->element(element)[0], uv->element(element)[1], 0});
+        flat.origin.push_back(vertex);
+    }
+    flat.mesh.offsets = mesh.offsets;
+    for (const VertexElement& corner : corners) {
+        const auto found = std::lower_bound(vertices.begin(), vertices.end(), corner);
+        flat.mesh.corners.push_back(static_cast<std::int32_t>(found - vertices.begin()));
+    }
+    return flat;
+}
+
+/// The heights of a mesh over the plane, or its vertices over that of its texture coordinates.
+Result<codec::PsModel> model_of(const PolygonMesh& polygons, const TrianglesVerb& verb) {
+    codec::PsValues values;
+    if (!verb.over_uv) {
+        RELIEF_TRY(mesh::Triangulation base, triangulation_of(polygons, verb.in));
+        values.components.resize(1);
+        for (const auto& v : polygons.vertices) values.components[0].push_back(v[2]);
+        return codec::PsModel{std::move(base), std::move(values)};
+    }
+    RELIEF_TRY(const Unwrapped flat, unwrap(polygons, verb.in));
+    RELIEF_TRY(mesh::Triangulation base, triangulation_of(flat.mesh, verb.in));
+    values.components.resize(3);
+    for (const std::int32_t vertex : flat.origin)
+        for (std::size_t m = 0; m < 3; ++m)
+            values.components[m].push_back(polygons.vertices[static_cast<std::size_t>(vertex)][m]);
+    return codec::PsModel{std::move(base), std::move(values)};
+}
+
+}  // namespace
+
+Result<Outcome> encode_triangles(const TrianglesVerb& verb, const SchemeOptions& scheme,
                                  const Globals& globals) {
     const Stopwatch watch;
     SchemeOptions plain;
@@ -164,19 +249,19 @@ Result<Outcome> encode_triangles(const std::string& in, const std::string& out,
                      "--scheme powell-sabin takes a mesh as it is: --levels and options of other "
                      "schemes do not apply",
                      ""};
-    RELIEF_TRY(const PolygonMesh polygons, read_polygons(in));
-    RELIEF_TRY(mesh::Triangulation base, triangulation_of(polygons, in));
-    std::vector<double> heights;
-    for (const auto& v : polygons.vertices) heights.push_back(v[2]);
-    const codec::PsModel model{std::move(base), codec::PsValues{{std::move(heights)}}};
+    RELIEF_TRY(const codec::PsReference reference, verb.reference.reference());
+    RELIEF_TRY(const PolygonMesh polygons, read_polygons(verb.in));
+    RELIEF_TRY(codec::PsModel model, model_of(polygons, verb));
+    model.reference = reference;
     const auto encoded =
-        codec::encode_ps(model, {.goal = goal, .progress = progress_bar(globals, "encoding")});
-    if (!encoded.ok()) return located(encoded.error(), in);
-    RELIEF_CHECK(io::write_file_atomically(out, encoded->bytes));
+        codec::encode_ps(model, {.goal = verb.goal, .progress = progress_bar(globals, "encoding")});
+    if (!encoded.ok()) return located(encoded.error(), verb.in);
+    RELIEF_CHECK(io::write_file_atomically(verb.out, encoded->bytes));
     Outcome outcome;
     outcome.json = report_json(encoded->report);
     outcome.json["seconds"] = watch.seconds();
-    outcome.text = text_of(out, encoded->report, "vertices");
+    outcome.text =
+        text_of(verb.out, encoded->report, verb.over_uv ? "numbers" : "vertices", reference);
     return outcome;
 }
 

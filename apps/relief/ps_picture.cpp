@@ -17,14 +17,15 @@ namespace {
 constexpr std::size_t kDrawn = 400000;
 constexpr int kMostParts = 12;
 
-/// Heights as they are drawn.
+/// Points in space as they are drawn.
 struct View {
+    Vec2 metres{1, 1};  ///< of a unit of x and of y: degrees are not as long as they are wide
     double exaggeration = 1;
     double low = 0;
     double high = 1;
 
-    [[nodiscard]] std::array<double, 3> point(Vec2 place, double height) const {
-        return {place.x, place.y, height * exaggeration};
+    [[nodiscard]] std::array<double, 3> point(const std::array<double, 3>& p) const {
+        return {p[0] * metres.x, p[1] * metres.y, p[2] * exaggeration};
     }
     /// sRGB from 0 to 1.
     [[nodiscard]] std::array<double, 3> colour(double height) const {
@@ -43,16 +44,16 @@ class Patch {
     Patch(const PsLevel& level, Index t, int parts)
         : level_(level), t_(t), corners_(level.space().mesh.corners(t)), parts_(parts) {}
 
-    struct Sample {
-        Vec2 place;
-        double height;
-    };
-    [[nodiscard]] Sample at(int i, int j) const {
+    [[nodiscard]] std::array<double, 3> at(int i, int j) const {
         const double u = static_cast<double>(i) / parts_;
         const double v = static_cast<double>(j) / parts_;
         const Vec2 place =
             corners_[0] + u * (corners_[1] - corners_[0]) + v * (corners_[2] - corners_[0]);
-        return {level_.space().mesh.origin + place, level_.surface.jet(t_, place).value};
+        std::array<double, 3> values{};
+        const auto components = static_cast<std::size_t>(level_.surface.components());
+        for (std::size_t m = 0; m < components; ++m)
+            values[m] = level_.surface.jet(t_, place, static_cast<int>(m)).value;
+        return in_space(level_.space().mesh.origin + place, std::span(values).first(components));
     }
 
   private:
@@ -71,9 +72,9 @@ PolygonMesh tessellated(const PsLevel& level, int parts, const View& view) {
         const auto first = static_cast<std::int32_t>(mesh.vertices.size());
         for (int j = 0; j <= parts; ++j)
             for (int i = 0; i + j <= parts; ++i) {
-                const auto [place, height] = patch.at(i, j);
-                mesh.vertices.push_back(view.point(place, height));
-                const auto colour = view.colour(height);
+                const std::array<double, 3> point = patch.at(i, j);
+                mesh.vertices.push_back(view.point(point));
+                const auto colour = view.colour(point[2]);
                 colours.values.insert(colours.values.end(), colour.begin(), colour.end());
             }
         std::int32_t row = first;
@@ -98,9 +99,8 @@ PolygonMesh sides(const PsLevel& level, int parts, const View& view) {
         const Patch patch(level, t, parts);
         std::vector<std::int32_t> polygon;
         const auto add = [&](int i, int j) {
-            const auto [place, height] = patch.at(i, j);
             polygon.push_back(static_cast<std::int32_t>(net.vertices.size()));
-            net.vertices.push_back(view.point(place, height));
+            net.vertices.push_back(view.point(patch.at(i, j)));
         };
         for (int k = 0; k < parts; ++k) add(k, 0);
         for (int k = 0; k < parts; ++k) add(parts - k, k);
@@ -116,28 +116,36 @@ PolygonMesh control_triangles(const PsLevel& level, const View& view) {
     PolygonMesh net;
     for (Index v = 0; v < space.mesh.vertex_count(); ++v) {
         const auto first = static_cast<std::int32_t>(net.vertices.size());
-        for (std::size_t k = 0; k < 3; ++k)
-            net.vertices.push_back(
-                view.point(space.mesh.origin + space.mesh.vertex(v) + space.control[v][k],
-                           level.data->components[0][v][k]));
+        for (std::size_t k = 0; k < 3; ++k) {
+            std::vector<double> values;
+            for (const ps::Coefficients& component : level.data->components)
+                values.push_back(component[v][k]);
+            const Vec2 place = space.mesh.origin + space.mesh.vertex(v) + space.control[v][k];
+            net.vertices.push_back(view.point(in_space(place, values)));
+        }
         net.add_polygon(std::array{first, first + 1, first + 2});
     }
     return net;
 }
 
-/// Heights at samples all over the surface say how it is drawn.
+/// Heights at samples all over the surface say how it is drawn. Surfaces in space are not
+/// exaggerated unless that is asked for.
 Result<View> view_of(const std::string& path, double exaggeration) {
     RELIEF_TRY(const Raster raster, picture_raster(path, 0, 256));
-    View view{exaggeration, INFINITY, -INFINITY};
+    const io::CellSize cell = io::cell_size_metres(raster.geo, raster.rows);
+    const std::array<double, 6>& transform = *raster.geo.transform;
+    View view{{cell.x / transform[1], cell.y / -transform[5]}, exaggeration, INFINITY, -INFINITY};
     for (std::int64_t r = 0; r < raster.rows; ++r)
         for (std::int64_t c = 0; c < raster.cols; ++c)
             if (raster.valid(r, c)) {
-                view.low = std::min(view.low, raster.planes[0](r, c));
-                view.high = std::max(view.high, raster.planes[0](r, c));
+                view.low = std::min(view.low, raster.planes.back()(r, c));
+                view.high = std::max(view.high, raster.planes.back()(r, c));
             }
     if (!(exaggeration > 0))
-        view.exaggeration = io::auto_exaggeration(raster.planes[0].view(), raster.mask.view(),
-                                                  io::cell_size_metres(raster.geo, raster.rows));
+        view.exaggeration =
+            raster.planes.size() == 3
+                ? 1
+                : io::auto_exaggeration(raster.planes[0].view(), raster.mask.view(), cell);
     return view;
 }
 
@@ -145,8 +153,7 @@ Result<View> view_of(const std::string& path, double exaggeration) {
 
 Result<io::Image> draw_ps(const std::string& path, const PsWireVerb& verb) {
     RELIEF_TRY(const codec::PsFile file, open_ps(path));
-    if (file.components() != 1)
-        return Error{ErrorCode::Unsupported, "only surfaces of one component are drawn", path};
+    RELIEF_CHECK(check_in_space(file.components()));
     RELIEF_TRY(const PsLevel level, open_level(file, 0));
     RELIEF_TRY(const View view, view_of(path, verb.exaggeration));
     const double each =

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,12 +36,30 @@ struct PsLevel {
 };
 [[nodiscard]] Result<PsLevel> open_level(const codec::PsFile& file, int level);
 
-/// "X,Y,Z" or "X,Y,Z,W": names or numbers of columns. Empty: those with well-known names.
+/// One component are heights over the plane, three a surface in space. Errors: Unsupported for two.
+[[nodiscard]] Status check_in_space(int components);
+/// Requires: one or three values.
+[[nodiscard]] std::array<double, 3> in_space(Vec2 place, std::span<const double> values);
+
+/// "X,Y,VALUE[,WEIGHT]" or "U,V,X,Y,Z[,WEIGHT]": names or numbers of columns. Empty: those with
+/// well-known names.
 [[nodiscard]] Result<io::PointColumns> columns_of(const std::string& text);
 /// Says what --columns takes, for --help.
 inline constexpr const char* kColumnsHelp =
     "X,Y,VALUE[,WEIGHT] of points: names or numbers (from 1) of columns; default: by known names, "
-    "else the first three";
+    "else the first three. U,V,X,Y,Z[,WEIGHT]: a surface in space over the plane of U and V";
+
+/// What coordinates and values are, as options.
+struct ReferenceOptions {
+    std::string crs = {};
+    std::string unit = {};
+
+    void add_to(CLI::App& verb);
+    /// Errors: InvalidArgument for a CRS that is not known.
+    [[nodiscard]] Result<codec::PsReference> reference() const;
+
+    friend bool operator==(const ReferenceOptions&, const ReferenceOptions&) = default;
+};
 
 struct FitVerb {
     std::string in;
@@ -48,16 +68,24 @@ struct FitVerb {
     std::optional<std::int64_t> vertices = {};
     std::string mesh = {};
     std::optional<double> smoothing = {};
+    std::string energy = {};
     std::string gradients = {};
     int levels = 0;
     std::string columns = {};
+    ReferenceOptions reference = {};
 };
 [[nodiscard]] Result<Outcome> fit_points(const FitVerb& verb, const Globals& globals);
 
+struct TrianglesVerb {
+    std::string in;
+    std::string out;
+    codec::Goal goal;
+    bool over_uv = false;  ///< in the plane of their texture coordinates; a surface in space
+    ReferenceOptions reference = {};
+};
 /// Triangles over the plane, with values at their vertices.
-[[nodiscard]] Result<Outcome> encode_triangles(const std::string& in, const std::string& out,
-                                               const SchemeOptions& scheme, const codec::Goal& goal,
-                                               const Globals& globals);
+[[nodiscard]] Result<Outcome> encode_triangles(const TrianglesVerb& verb,
+                                               const SchemeOptions& scheme, const Globals& globals);
 /// The triangulation of a mesh of triangles over the plane, as seen from above. Errors:
 /// `not_a_triangle` and those of mesh::build.
 [[nodiscard]] Result<mesh::Triangulation> triangulation_of(const PolygonMesh& mesh,
@@ -74,8 +102,8 @@ struct PsDecodeVerb {
 };
 /// By the extension of OUT a mesh, Bezier triangles (.vtu), a table of vertices (.csv) or a raster.
 [[nodiscard]] Result<Outcome> decode_ps(const PsDecodeVerb& verb, const Globals& globals);
-/// The triangulation of a level with the heights of the spline; a surface in space for three
-/// components.
+/// The triangulation of a level with the heights of the spline; for three components the surface in
+/// space with its parameters as "uv".
 [[nodiscard]] Result<PolygonMesh> polygons_of(const codec::PsFile& file, int level);
 
 /// The six quadratic Bezier triangles of each triangle as a .vtu file, with fields "value" and, of
@@ -88,9 +116,14 @@ struct PsDecodeVerb {
 /// Points with a surface, at the points; or two surfaces, at the vertices of A and all over it.
 [[nodiscard]] Result<Outcome> compare_ps(const std::string& a, const std::string& b,
                                          const std::string& columns);
-/// `moves`: "INDEX:DZ[,DX,DY]".
-[[nodiscard]] Result<Outcome> edit_ps(const std::string& in, const std::string& out, int level,
-                                      const std::vector<std::string>& moves);
+struct PsEditVerb {
+    std::string in;
+    std::string out;
+    int level = 0;                   ///< of `moves`
+    std::vector<std::string> moves;  ///< "INDEX:DZ[,DX,DY]"
+    std::string script;              ///< a file with more of them; empty: none
+};
+[[nodiscard]] Result<Outcome> edit_ps(const PsEditVerb& verb);
 
 /// The jets of all components at each point: out[point * components + component]; all NaN outside.
 struct PsJets {

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 
+#include "level_files.h"
 #include "mesh_verbs.h"
 #include "quad_verbs.h"
 #include "relief/io/file.h"
@@ -36,41 +36,12 @@ Result<codec::QuadMesh> quads_of(const PolygonMesh& polygons, const std::string&
     return mesh;
 }
 
-Json levels_json(const codec::QuadFile& file) {
-    Json levels = Json::array();
-    for (int level = 0; level <= file.levels(); ++level)
-        levels.push_back(Json{{"level", level},
-                              {"vertices", file.counts(level).vertices},
-                              {"quads", file.counts(level).quads},
-                              {"bytes", file.bytes_for(level)},
-                              {"bound", json_number(file.bound(level))},
-                              {"surface_bound", json_number(file.surface_bound(level))}});
-    return levels;
-}
-
-/// The vertices that each level adds.
-Json bands_json(const codec::QuadFile& file) {
-    Json bands = Json::array();
-    std::uint64_t coarser = 0;
-    for (int level = file.levels(); level >= 0; --level) {
-        const std::uint64_t vertices = file.counts(level).vertices;
-        bands.push_back(Json{{"name", file.holds_values() ? "values" : "coefficients"},
-                             {"level", level},
-                             {"vertices", vertices - coarser},
-                             {"step", file.step()}});
-        coarser = vertices;
-    }
-    return bands;
-}
+constexpr FaceCount<mesh::LevelCounts> kQuads = {"quads", &mesh::LevelCounts::quads};
 
 }  // namespace
 
 bool holds_quads(const std::string& path) {
-    if (io::recognise(path) != io::FileKind::Relief) return false;
-    const auto source = io::open_source(path);
-    if (!source.ok()) return false;
-    const auto content = codec::content_of(*source);
-    return content.ok() && *content == kQuadrangulation;
+    return holds(path, kQuadrangulation);
 }
 
 PolygonMesh polygons_of(const codec::QuadMesh& mesh) {
@@ -90,12 +61,7 @@ bool is_mesh(const std::string& path) {
 
 Result<codec::QuadFile> open_quads(const std::string& path,
                                    std::optional<std::uint64_t> max_bytes) {
-    RELIEF_TRY(Bytes bytes, io::read_file(path));
-    auto file =
-        codec::QuadFile::open(std::make_shared<MemorySource>(std::move(bytes)),
-                              max_bytes.value_or(std::numeric_limits<std::uint64_t>::max()));
-    if (!file.ok()) return located(file.error(), path);
-    return file;
+    return open_file<codec::QuadFile>(path, max_bytes);
 }
 
 Result<codec::QuadMesh> read_quads(const std::string& path) {
@@ -139,51 +105,33 @@ Result<Outcome> decode_quads(const std::string& in, const std::string& out, int 
 
 Result<Outcome> info_of_quads(const std::string& path) {
     RELIEF_TRY(const codec::QuadFile file, open_quads(path));
-    const Json levels = levels_json(file);
+    const Json levels = levels_json(file, kQuads);
+    Json bands =
+        bands_json(file, [&](int) { return file.holds_values() ? "values" : "coefficients"; });
+    for (Json& band : bands) band["step"] = file.step();
     const bool sound = file.checksums_ok();
+    const Json more{{"vertices", file.counts(0).vertices},
+                    {"quads", file.counts(0).quads},
+                    {"type", file.holds_values() ? Json(file.lattice()) : Json(nullptr)}};
     Outcome outcome;
-    outcome.json = Json{{"format", "relief"},
-                        {"content", kQuadrangulation},
-                        {"version", file.version()},
-                        {"scheme", "fvs"},
-                        {"order", 3},
-                        {"levels", file.levels()},
-                        {"vertices", file.counts(0).vertices},
-                        {"quads", file.counts(0).quads},
-                        {"type", file.holds_values() ? Json(file.lattice()) : Json(nullptr)},
-                        {"bands", bands_json(file)},
-                        {"level_list", levels},
-                        {"chunks", chunks_json(file)},
-                        {"bytes", file.size()},
-                        {"max_error", json_number(file.max_error())},
-                        {"rms_error", json_number(file.rms_error())},
-                        {"bound", json_number(file.bound(0))},
-                        {"surface_bound", json_number(file.surface_bound(0))},
-                        {"edits", file.moves().size()},
-                        {"crs", ""},
-                        {"extent", file.extent()},
-                        {"checksums_ok", sound}};
-    outcome.text = fmt::format(
-        "{}: relief version {}, {} bytes, checksums {}\n"
-        "quadrangulation of {} vertices and {} quads, scheme fvs, {} levels, {}\n",
-        path, file.version(), grouped(static_cast<std::int64_t>(file.size())),
-        sound ? "hold" : "DO NOT HOLD", grouped(static_cast<std::int64_t>(file.counts(0).vertices)),
-        grouped(static_cast<std::int64_t>(file.counts(0).quads)), file.levels(),
-        file.holds_values() ? "values at vertices" : "coefficients");
-    if (file.edited())
-        outcome.text += fmt::format("edited by {} move{}\n", file.moves().size(),
-                                    file.moves().size() == 1 ? "" : "s");
-    else
-        outcome.text += fmt::format("vertices within {} of the original (rms {})\n",
-                                    shown(file.max_error()), shown(file.rms_error()));
-    outcome.text += "level     vertices        quads      bytes to read   surface within\n";
-    for (const Json& level : levels)
-        outcome.text += fmt::format(
-            "{:5} {:>12} {:>12} {:>18}   {}\n", level["level"].get<int>(),
-            grouped(level["vertices"].get<std::int64_t>()),
-            grouped(level["quads"].get<std::int64_t>()),
-            grouped(level["bytes"].get<std::int64_t>()),
-            level["surface_bound"].is_null() ? "-" : shown(level["surface_bound"].get<double>()));
+    outcome.json = info_json(file,
+                             {.content = kQuadrangulation,
+                              .scheme = "fvs",
+                              .order = 3,
+                              .more = more,
+                              .bands = bands,
+                              .levels = levels},
+                             sound);
+    outcome.text = head_text(path, file, sound);
+    outcome.text +=
+        fmt::format("quadrangulation of {} vertices and {} quads, scheme fvs, {} levels, {}\n",
+                    grouped(static_cast<std::int64_t>(file.counts(0).vertices)),
+                    grouped(static_cast<std::int64_t>(file.counts(0).quads)), file.levels(),
+                    file.holds_values() ? "values at vertices" : "coefficients");
+    outcome.text += file.edited() ? edits_text(file.moves().size()) + '\n'
+                                  : fmt::format("vertices within {} of the original (rms {})\n",
+                                                shown(file.max_error()), shown(file.rms_error()));
+    outcome.text += levels_text(levels, kQuads.name);
     return outcome;
 }
 

@@ -2,10 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <charconv>
-#include <cmath>
-
+#include "level_files.h"
 #include "relief/io/file.h"
 
 namespace relief::cli {
@@ -29,36 +26,10 @@ Status check_scheme(const SchemeOptions& scheme) {
     return {};
 }
 
-/// The index and rise of "INDEX:DZ".
-Result<codec::QuadMove> parse_move(const std::string& text, int level) {
-    codec::QuadMove move{level, 0, 0};
-    const char* end = text.data() + text.size();
-    const auto index = std::from_chars(text.data(), end, move.vertex);
-    if (index.ec == std::errc() && index.ptr != end && *index.ptr == ':') {
-        const auto rise = std::from_chars(index.ptr + 1, end, move.rise);
-        if (rise.ec == std::errc() && rise.ptr == end) return move;
-    }
-    return Error{ErrorCode::InvalidArgument, "--move of a mesh takes INDEX:DZ, not '" + text + "'",
-                 ""};
-}
-
-struct Touched {
-    std::int64_t vertices = 0;
-    double low[2] = {INFINITY, INFINITY};
-    double high[2] = {-INFINITY, -INFINITY};
-};
-
-Touched touched_by(const codec::QuadMesh& before, const codec::QuadMesh& after) {
-    Touched touched;
-    for (std::size_t v = 0; v < before.vertices.size(); ++v) {
-        if (before.vertices[v][2] == after.vertices[v][2]) continue;
-        ++touched.vertices;
-        for (std::size_t k = 0; k < 2; ++k) {
-            touched.low[k] = std::min(touched.low[k], after.vertices[v][k]);
-            touched.high[k] = std::max(touched.high[k], after.vertices[v][k]);
-        }
-    }
-    return touched;
+bool set(codec::QuadMove& move, const std::vector<double>& numbers) {
+    if (numbers.size() != 1) return false;
+    move.rise = numbers[0];
+    return true;
 }
 
 }  // namespace
@@ -91,36 +62,20 @@ Result<Outcome> encode_quads(const std::string& in, const std::string& out,
 
 Result<Outcome> edit_quads(const std::string& in, const std::string& out, int level,
                            const std::vector<std::string>& texts) {
-    std::vector<codec::QuadMove> moves;
-    for (const std::string& text : texts) {
-        RELIEF_TRY(const codec::QuadMove move, parse_move(text, level));
-        moves.push_back(move);
-    }
-    if (moves.empty())
-        return Error{ErrorCode::InvalidArgument, "nothing to do; give --level K --move INDEX:DZ",
-                     ""};
-    RELIEF_TRY(Bytes bytes, io::read_file(in));
-    const auto edited = codec::add_quad_moves(std::move(bytes), moves);
-    if (!edited.ok()) return located(edited.error(), in);
-    const auto after_file = codec::QuadFile::open(*edited);
-    if (!after_file.ok()) return located(after_file.error(), in);
+    RELIEF_TRY(const auto moves,
+               parse_moves<codec::QuadMove>(texts, level, {"a mesh", "INDEX:DZ"}, set));
+    RELIEF_TRY(const auto result, edited<codec::QuadFile>(in, moves, codec::add_quad_moves));
     RELIEF_TRY(const codec::QuadMesh before, read_quads(in));
-    const auto after = after_file->decode(0);
-    if (!after.ok()) return located(after.error(), in);
-    RELIEF_CHECK(io::write_file_atomically(out, *edited));
-    const Touched touched = touched_by(before, *after);
-    const Json bounds =
-        touched.vertices == 0
-            ? Json(nullptr)
-            : Json::array({touched.low[0], touched.low[1], touched.high[0], touched.high[1]});
+    RELIEF_TRY(const codec::QuadMesh after, located(result.file.decode(0), in));
+    RELIEF_CHECK(io::write_file_atomically(out, result.bytes));
+    Touched<2> touched;
+    for (std::size_t v = 0; v < before.vertices.size(); ++v)
+        if (before.vertices[v][2] != after.vertices[v][2])
+            touched.add({after.vertices[v][0], after.vertices[v][1]});
     Outcome outcome;
-    outcome.json = Json{{"moved", moves.size()},
-                        {"touched", touched.vertices},
-                        {"bounds", bounds},
-                        {"edits", after_file->moves().size()},
-                        {"bytes", edited->size()}};
+    outcome.json = edit_json(result, moves.size(), touched);
     outcome.text = fmt::format("{}: {} vertices of level {} moved, {} vertices touched\n", out,
-                               moves.size(), level, grouped(touched.vertices));
+                               moves.size(), level, grouped(touched.count()));
     return outcome;
 }
 

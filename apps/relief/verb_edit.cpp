@@ -4,7 +4,7 @@
 #include <climits>
 #include <sstream>
 
-#include "command.h"
+#include "edit_script.h"
 #include "mesh_verbs.h"
 #include "ps_verbs.h"
 #include "quad_verbs.h"
@@ -57,14 +57,6 @@ Result<multires::Move> parse_move(const std::string& text, int level,
     return move;
 }
 
-/// An integer member that 64 bits hold.
-std::optional<std::int64_t> integer(const Json& item, const char* key) {
-    const auto found = item.is_object() ? item.find(key) : item.end();
-    if (found == item.end() || !found->is_number_integer()) return {};
-    if (found->is_number_unsigned() && found->get<std::uint64_t>() > INT64_MAX) return INT64_MAX;
-    return found->get<std::int64_t>();
-}
-
 Result<multires::Move> read_move(const Json& item, const multires::PyramidLayout& layout,
                                  const std::string& where) {
     const auto wrong = [&](std::string what) {
@@ -86,31 +78,19 @@ Result<multires::Move> read_move(const Json& item, const multires::PyramidLayout
     if (auto exists = multires::check_move(layout, move); !exists.ok())
         return located(exists.error(), where);
 
-    const Json& delta = item["delta"];
-    const std::size_t count = delta.is_array() ? delta.size() : 1;
-    if (count < 1 || count > static_cast<std::size_t>(layout.components))
-        return wrong(fmt::format("\"delta\" has not 1 to {} numbers", layout.components));
-    for (std::size_t k = 0; k < count; ++k) {
-        const Json& component = delta.is_array() ? delta[k] : delta;
-        if (!component.is_number()) return wrong("\"delta\" is not a number");
-        move.delta[k] = component.get<double>();
-    }
+    RELIEF_TRY(const auto delta,
+               delta_of(item, static_cast<std::size_t>(layout.components), where));
+    std::copy(delta.begin(), delta.end(), move.delta.begin());
     return move;
 }
 
-/// A list, or {"moves": list}, of {"level": K, "index": N or "row": I, "col": J, "delta": number or
-/// list}.
+/// Of {"level": K, "index": N or "row": I, "col": J, "delta": number or list}.
 Result<std::vector<multires::Move>> read_script(const std::string& path,
                                                 const multires::PyramidLayout& layout) {
-    RELIEF_TRY(const auto bytes, io::read_file(path));
-    const Json script = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
-    const Json& list = script.is_object() && script.contains("moves") ? script["moves"] : script;
-    if (!list.is_array())
-        return Error{ErrorCode::BadInput, "is not JSON with a list of moves", path};
+    RELIEF_TRY(const Json list, read_moves(path));
     std::vector<multires::Move> moves;
-    for (const Json& item : list) {
-        RELIEF_TRY(const auto move,
-                   read_move(item, layout, fmt::format("{}, move {}", path, moves.size() + 1)));
+    for (std::size_t k = 0; k < list.size(); ++k) {
+        RELIEF_TRY(const auto move, read_move(list[k], layout, place_of_move(path, k)));
         moves.push_back(move);
     }
     return moves;
@@ -164,12 +144,14 @@ class CountingSink final : public ByteSink {
 
 /// Meshes are edited vertex by vertex.
 Result<Outcome> edit_any_mesh(const Edit& options) {
-    if (!options.script.empty())
-        return Error{ErrorCode::InvalidArgument, "--script is for rasters; use --move", options.in};
     if (!options.moves.empty() && !options.level)
         return Error{ErrorCode::InvalidArgument, "--move needs --level K", ""};
     const int level = options.level.value_or(0);
-    if (holds_ps(options.in)) return edit_ps(options.in, options.out, level, options.moves);
+    if (holds_ps(options.in))
+        return edit_ps({options.in, options.out, level, options.moves, options.script});
+    if (!options.script.empty())
+        return Error{ErrorCode::InvalidArgument,
+                     "--script is for rasters and splines on triangles; use --move", options.in};
     if (holds_mesh(options.in)) return edit_mesh(options.in, options.out, level, options.moves);
     return edit_quads(options.in, options.out, level, options.moves);
 }
@@ -216,6 +198,41 @@ Result<Outcome> run(const Edit& options) {
 
 }  // namespace
 
+Result<Json> read_moves(const std::string& path) {
+    RELIEF_TRY(const auto bytes, io::read_file(path));
+    Json script = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
+    if (script.is_object() && script.contains("moves")) script = Json(script["moves"]);
+    if (script.is_array()) return script;
+    return Error{ErrorCode::BadInput, "is not JSON with a list of moves", path};
+}
+
+std::string place_of_move(const std::string& path, std::size_t move) {
+    return fmt::format("{}, move {}", path, move + 1);
+}
+
+std::optional<std::int64_t> integer(const Json& item, const char* key) {
+    const auto found = item.is_object() ? item.find(key) : item.end();
+    if (found == item.end() || !found->is_number_integer()) return {};
+    if (found->is_number_unsigned() && found->get<std::uint64_t>() > INT64_MAX) return INT64_MAX;
+    return found->get<std::int64_t>();
+}
+
+Result<std::vector<double>> delta_of(const Json& item, std::size_t most, const std::string& where) {
+    const auto found = item.is_object() ? item.find("delta") : item.end();
+    if (found == item.end()) return Error{ErrorCode::BadInput, "needs \"delta\"", where};
+    const Json numbers = found->is_array() ? *found : Json::array({*found});
+    if (numbers.empty() || numbers.size() > most)
+        return Error{ErrorCode::BadInput, fmt::format("\"delta\" has not 1 to {} numbers", most),
+                     where};
+    std::vector<double> delta;
+    for (const Json& number : numbers) {
+        if (!number.is_number())
+            return Error{ErrorCode::BadInput, "\"delta\" is not a number", where};
+        delta.push_back(number.get<double>());
+    }
+    return delta;
+}
+
 void add_edit(Program& program) {
     auto options = std::make_shared<Edit>();
     CLI::App* verb = add_verb(
@@ -237,9 +254,11 @@ void add_edit(Program& program) {
     verb->add_option("--move", options->moves, "INDEX:DX[,DY,DZ], in data units; repeatable")
         ->take_all()
         ->allow_extra_args(false);
-    verb->add_option("--script", options->script,
-                     "JSON: [{\"level\": 3, \"row\": 10, \"col\": 12, \"delta\": [80]}, ...]; "
-                     "\"index\" instead of row and col");
+    verb->add_option(
+        "--script", options->script,
+        "JSON: [{\"level\": 3, \"row\": 10, \"col\": 12, \"delta\": [80]}, ...]; "
+        "\"index\" instead of row and col. Splines on triangles: index, delta [DZ, DX, DY], and "
+        "\"component\" of surfaces in space");
 }
 
 }  // namespace relief::cli

@@ -21,8 +21,10 @@ struct Encode {
     bool surface = false;
     bool reorder = false;
     bool repair = false;
+    bool over_uv = false;
     std::optional<double> alpha;
     std::string lift;
+    ReferenceOptions reference;
 };
 
 Result<codec::Goal> goal_of(const Encode& options) {
@@ -97,6 +99,15 @@ Status check_no_mesh_options(const Encode& options) {
     return {};
 }
 
+/// Splines on triangles alone are told what their coordinates and values are.
+Status check_no_reference(const Encode& options) {
+    if (options.reference == ReferenceOptions()) return {};
+    return Error{ErrorCode::InvalidArgument,
+                 "--crs and --unit are for points, and for triangles with --scheme powell-sabin; "
+                 "rasters bring their own",
+                 ""};
+}
+
 /// As `fit`, which has more to choose from.
 Result<Outcome> encode_points(const Encode& options, const codec::Goal& goal,
                               const Globals& globals) {
@@ -107,17 +118,25 @@ Result<Outcome> encode_points(const Encode& options, const codec::Goal& goal,
                      "points have the scheme powell-sabin, without further options; see 'relief "
                      "fit --help'",
                      ""};
-    return fit_points({.in = options.in, .out = options.out, .goal = goal}, globals);
+    return fit_points(
+        {.in = options.in, .out = options.out, .goal = goal, .reference = options.reference},
+        globals);
 }
 
 Result<Outcome> run(const Encode& options, const Globals& globals) {
     const Stopwatch watch;
     codec::EncodeOptions encode;
     RELIEF_TRY(encode.goal, goal_of(options));
+    if (options.over_uv && (options.scheme.scheme != "powell-sabin" || !is_mesh(options.in)))
+        return Error{ErrorCode::InvalidArgument, "--uv is for meshes with --scheme powell-sabin",
+                     ""};
     if (is_points(options.in)) return encode_points(options, encode.goal, globals);
     if (is_mesh(options.in)) {
         if (options.scheme.scheme == "powell-sabin")
-            return encode_triangles(options.in, options.out, options.scheme, encode.goal, globals);
+            return encode_triangles(
+                {options.in, options.out, encode.goal, options.over_uv, options.reference},
+                options.scheme, globals);
+        RELIEF_CHECK(check_no_reference(options));
         RELIEF_TRY(const bool subdivision, is_subdivision(options.in, options.scheme));
         if (subdivision)
             return encode_mesh(mesh_verb(options, encode.goal), options.scheme, globals);
@@ -125,6 +144,7 @@ Result<Outcome> run(const Encode& options, const Globals& globals) {
         return encode_quads(options.in, options.out, options.scheme, encode.goal);
     }
     RELIEF_CHECK(check_no_mesh_options(options));
+    RELIEF_CHECK(check_no_reference(options));
     RELIEF_TRY(encode.spec, options.scheme.spec());
     encode.effort = static_cast<codec::Effort>(options.effort);
     encode.progress = progress_bar(globals, "encoding");
@@ -180,6 +200,7 @@ void add_encode(Program& program) {
             "--profile", options->profile,
             "of scheme fvs: dense (default), or fast: several times the speed, about 8 % larger")
         ->check(CLI::IsMember({"fast", "dense"}));
+    options->reference.add_to(*verb);
     verb->add_flag("--surface", options->surface,
                    "meshes: errors are distances of the surfaces, both ways, and files smaller. "
                    "--max-error then holds for all vertices of both and for 60000 points spread "
@@ -197,6 +218,9 @@ void add_encode(Program& program) {
         "--alpha", options->alpha,
         "sqrt3: weight of the neighbours in the new place of a vertex, from 0 to below "
         "2/3; default: by valence");
+    verb->add_flag("--uv", options->over_uv,
+                   "meshes with --scheme powell-sabin: the triangles lie in the plane of their "
+                   "texture coordinates, and x, y, z are a smooth surface in space over it");
     verb->add_flag("--repair", options->repair,
                    "meshes: first mend what is no oriented manifold: see 'relief info'");
 }

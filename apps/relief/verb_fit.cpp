@@ -63,12 +63,18 @@ void add_fit(Program& program) {
                      "these levels")
         ->check(CLI::Range(0, 12));
     verb->add_option("--smoothing", fit.smoothing,
-                     "least squares: weight of the bending energy, without a unit; default: by "
-                     "cross validation, with --max-error 1e-10");
+                     "least squares: weight of the energy, without a unit; default: by cross "
+                     "validation, with --max-error 1e-10");
+    verb->add_option("--energy", fit.energy,
+                     "least squares: what smoothing makes small: plate (default), the bending "
+                     "energy, which planes do not have, or jumps, those of second derivatives from "
+                     "piece to piece, which quadratics do not have")
+        ->check(CLI::IsMember({"plate", "jumps"}));
     verb->add_option("--gradients", fit.gradients,
                      "interpolation: slopes at the points by rule adaptive (default), quadratic "
                      "(smooth data only), plane or zero");
     verb->add_option("--columns", fit.columns, kColumnsHelp);
+    fit.reference.add_to(*verb);
 }
 
 }  // namespace relief::cli

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "command.h"
+#include "level_files.h"
 #include "mesh_verbs.h"
 #include "ps_verbs.h"
 #include "quad_verbs.h"
@@ -59,6 +60,7 @@ Result<Outcome> info_of_relief(const std::string& path) {
                               {"surface_bound", json_number(file.surface_bound(level))}});
     }
     const auto bound = file.bound(0);
+    const bool sound = file.checksums_ok();
     outcome.json = Json{{"format", "relief"},
                         {"version", file.version()},
                         {"scheme", multires::scheme_name(file.spec().id)},
@@ -81,10 +83,8 @@ Result<Outcome> info_of_relief(const std::string& path) {
                         {"edits", file.moves().size()},
                         {"crs", about.geo.crs},
                         {"extent", extent_of(about.geo, layout.rows, layout.cols)},
-                        {"checksums_ok", file.checksums_ok()}};
-    outcome.text = fmt::format("{}: relief version {}, {} bytes, checksums {}\n", path,
-                               file.version(), grouped(static_cast<std::int64_t>(file.size())),
-                               file.checksums_ok() ? "hold" : "DO NOT HOLD");
+                        {"checksums_ok", sound}};
+    outcome.text = head_text(path, file, sound);
     outcome.text +=
         fmt::format("raster {} x {}, {} component{}, {}{}\n", layout.cols, layout.rows,
                     layout.components, layout.components == 1 ? "" : "s",
@@ -94,8 +94,7 @@ Result<Outcome> info_of_relief(const std::string& path) {
                     file.spec().order, layout.levels());
     outcome.text += bound ? fmt::format(", within {} of the original (rms {})\n", shown(*bound),
                                         shown(file.rms_error()))
-                          : fmt::format(", edited by {} move{}\n", file.moves().size(),
-                                        file.moves().size() == 1 ? "" : "s");
+                          : ", " + edits_text(file.moves().size()) + '\n';
     outcome.text += "level   control net      bytes to read   error at most\n";
     for (const Json& level : levels)
         outcome.text += fmt::format(

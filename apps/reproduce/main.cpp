@@ -64,7 +64,8 @@ int main(int argc, char** argv) {
     std::string figures;
     app.add_flag("--json", json, "a JSON list of {source, case, quantity, paper, ours, note}");
     app.add_option("--figures", figures,
-                   "only draw figures of reverse subdivision into this folder")
+                   "only draw figures of reverse subdivision and of Powell-Sabin splines into this "
+                   "folder")
         ->check(CLI::ExistingDirectory);
     app.add_option("RASTER", paths, "more terrain for the compression figures");
     try {
@@ -76,7 +77,8 @@ int main(int argc, char** argv) {
         return 2;
     }
     if (!figures.empty()) {
-        const relief::Status drawn = relief::reproduce::reverse_figures(figures);
+        relief::Status drawn = relief::reproduce::reverse_figures(figures);
+        if (drawn.ok()) drawn = relief::reproduce::powell_sabin_figures(figures);
         if (drawn.ok()) return 0;
         fmt::print(stderr, "relief-reproduce: {}\n", drawn.error().text());
         return 1;
@@ -84,6 +86,7 @@ int main(int argc, char** argv) {
     std::vector<Row> rows = relief::reproduce::barycentric_rows(load_terrains(paths, json));
     for (Row& row : relief::reproduce::fvs_rows()) rows.push_back(std::move(row));
     for (Row& row : relief::reproduce::reverse_rows()) rows.push_back(std::move(row));
+    for (Row& row : relief::reproduce::powell_sabin_rows()) rows.push_back(std::move(row));
     if (!json) {
         print_table(rows);
         return 0;

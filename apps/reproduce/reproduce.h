@@ -57,4 +57,11 @@ struct Terrain {
 /// io::write_png and io::write_file_atomically.
 [[nodiscard]] Status reverse_figures(const std::string& folder);
 
+/// Vanraes, Windmolders, Bultheel, Dierckx: automatic construction of control triangles for
+/// subdivided Powell-Sabin splines.
+[[nodiscard]] std::vector<Row> powell_sabin_rows();
+/// Its figures, drawn with our meshes: SVG files in a folder that exists. Errors: those of
+/// io::write_file_atomically.
+[[nodiscard]] Status powell_sabin_figures(const std::string& folder);
+
 }  // namespace relief::reproduce

@@ -1,5 +1,3 @@
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -7,7 +5,6 @@
 #include <iostream>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <string_view>
 
 #include "peer.h"
 #include "relief/core/parallel.h"
@@ -26,21 +23,15 @@ struct Patience {
     int runs = 5;
 };
 
-double now(clockid_t clock) {
-    timespec time{};
-    clock_gettime(clock, &time);
-    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
 /// The best time of some runs of `work`, which returns a Result; the last result in `result`.
 template <class T, class Work>
 double best_seconds(clockid_t clock, const Patience& patience, Result<T>& result, Work work) {
     double best = std::numeric_limits<double>::infinity();
     double all = 0;
     for (int run = 0; run < patience.runs && all < patience.seconds; ++run) {
-        const double start = now(clock);
+        const double start = seconds_of(clock);
         result = work();
-        const double took = now(clock) - start;
+        const double took = seconds_of(clock) - start;
         if (!result.ok()) break;
         best = std::min(best, took);
         all += took;
@@ -177,11 +168,6 @@ class Comparison {
     Patience patience_;
     Peers peers_;
 };
-
-std::string stem(std::string_view path) {
-    path.remove_prefix(path.find_last_of('/') + 1);
-    return std::string(path.substr(0, path.find_last_of('.')));
-}
 
 int run(int count, char** arguments) {
     Patience patience;

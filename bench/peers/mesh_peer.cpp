@@ -1,33 +1,19 @@
 #include "mesh_peer.h"
 
-#include <time.h>
-
-#include <iterator>
-
 namespace relief::peers {
 
 MeshPeers all_mesh_peers() {
     MeshPeers all = relief_meshes();
-    [[maybe_unused]] const auto add = [&all](MeshPeers some) {
-        all.insert(all.end(), std::make_move_iterator(some.begin()),
-                   std::make_move_iterator(some.end()));
-    };
 #ifdef RELIEF_PEER_OPENSUBDIV
-    add(opensubdiv_peers());
+    append(all, opensubdiv_peers());
 #endif
 #ifdef RELIEF_PEER_OPENMESH
-    add(openmesh_peers());
+    append(all, openmesh_peers());
 #endif
 #ifdef RELIEF_PEER_CGAL
-    add(cgal_peers());
+    append(all, cgal_peers());
 #endif
     return all;
-}
-
-double thread_seconds() {
-    timespec time{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
 }  // namespace relief::peers

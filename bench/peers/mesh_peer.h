@@ -1,9 +1,9 @@
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
+#include "contest.h"
 #include "relief/core/vec3.h"
 #include "relief/mesh/topology.h"
 #include "relief/multires/subdivision_rules.h"
@@ -35,14 +35,8 @@ struct SubdivisionTimes {
     double points = 0;  ///< the points alone, again; 0: not offered
 };
 
-class MeshPeer {
+class MeshPeer : public Contestant {
   public:
-    MeshPeer() = default;
-    MeshPeer(const MeshPeer&) = delete;
-    MeshPeer& operator=(const MeshPeer&) = delete;
-    virtual ~MeshPeer() = default;
-
-    [[nodiscard]] virtual std::string name() const = 0;
     /// Scalars that it keeps points in.
     [[nodiscard]] virtual std::string scalar() const = 0;
     [[nodiscard]] virtual bool offers(MeshScheme scheme) const = 0;
@@ -52,7 +46,7 @@ class MeshPeer {
     [[nodiscard]] virtual Result<Polygons> result(const Subdividing& task) const = 0;
 };
 
-using MeshPeers = std::vector<std::unique_ptr<MeshPeer>>;
+using MeshPeers = Contestants<MeshPeer>;
 
 [[nodiscard]] MeshPeers relief_meshes();
 #ifdef RELIEF_PEER_OPENSUBDIV
@@ -67,8 +61,5 @@ using MeshPeers = std::vector<std::unique_ptr<MeshPeer>>;
 
 /// All that were built, relief first.
 [[nodiscard]] MeshPeers all_mesh_peers();
-
-/// What the clock of this thread says, in seconds.
-[[nodiscard]] double thread_seconds();
 
 }  // namespace relief::peers

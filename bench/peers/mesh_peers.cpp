@@ -103,8 +103,7 @@ Status measure_shapes(int runs) {
 
 Status measure_file(const std::string& path, int runs) {
     RELIEF_TRY(const Polygons base, read(path));
-    const std::string file = path.substr(path.find_last_of('/') + 1);
-    const std::string name = file.substr(0, file.find_last_of('.'));
+    const std::string name = stem(path);
     if (base.faces.corners.size() != 3 * base.faces.size())
         return measure(name, base, MeshScheme::CatmullClark, runs);
     RELIEF_CHECK(measure(name, base, MeshScheme::Loop, runs));

@@ -1,6 +1,5 @@
 #include "peer.h"
 
-#include <iterator>
 #include <limits>
 
 namespace relief::peers {
@@ -21,22 +20,18 @@ Error refused(ErrorCode code, const std::string& what) {
 
 Peers all_peers() {
     Peers all = relief_codecs();
-    const auto add = [&all](Peers some) {
-        all.insert(all.end(), std::make_move_iterator(some.begin()),
-                   std::make_move_iterator(some.end()));
-    };
-    add(gdal_peers());
+    append(all, gdal_peers());
 #ifdef RELIEF_PEER_LERC
-    add(lerc_peers());
+    append(all, lerc_peers());
 #endif
 #ifdef RELIEF_PEER_OPENJPEG
-    add(openjpeg_peers());
+    append(all, openjpeg_peers());
 #endif
 #ifdef RELIEF_PEER_JXL
-    add(jxl_peers());
+    append(all, jxl_peers());
 #endif
 #ifdef RELIEF_PEER_ZFP
-    add(zfp_peers());
+    append(all, zfp_peers());
 #endif
     return all;
 }

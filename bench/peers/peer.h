@@ -1,9 +1,9 @@
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
+#include "contest.h"
 #include "field.h"
 #include "relief/codec/raster_codec.h"
 
@@ -12,14 +12,8 @@ namespace relief::peers {
 
 using codec::Goal;
 
-class Peer {
+class Peer : public Contestant {
   public:
-    Peer() = default;
-    Peer(const Peer&) = delete;
-    Peer& operator=(const Peer&) = delete;
-    virtual ~Peer() = default;
-
-    [[nodiscard]] virtual std::string name() const = 0;
     /// Whether encode can reach such a goal with such samples.
     [[nodiscard]] virtual bool offers(const Field& field, const Goal& goal) const = 0;
     /// Whether the bytes tell holes from samples.
@@ -44,7 +38,7 @@ struct Library {
     std::string version;  ///< empty: not installed when this program was built
 };
 
-using Peers = std::vector<std::unique_ptr<Peer>>;
+using Peers = Contestants<Peer>;
 
 [[nodiscard]] Peers relief_codecs();
 [[nodiscard]] Peers gdal_peers();

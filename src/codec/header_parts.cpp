@@ -8,6 +8,7 @@
 
 #include "codec/json_reader.h"
 #include "codec/raster_header.h"
+#include "relief/codec/container.h"
 
 namespace relief::codec {
 
@@ -69,6 +70,16 @@ Status read_goal(const Json& json, Goal& goal) {
                             Goal::Kind::Bytes, Goal::Kind::Lossless})
         if (goal_name(kind) == name) goal.kind = kind;
     return reader.status();
+}
+
+Result<std::string> content_of(std::shared_ptr<const ByteSource> source) {
+    RELIEF_TRY(const ContainerReader container, ContainerReader::open(std::move(source)));
+    const auto json = Json::parse(container.header(), nullptr, false);
+    if (!json.is_object()) return bad_header("the header is not a JSON object");
+    JsonReader reader(json);
+    auto content = reader.get<std::string>("content", "", true);
+    RELIEF_CHECK(reader.status());
+    return content;
 }
 
 }  // namespace relief::codec

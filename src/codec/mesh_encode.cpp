@@ -5,9 +5,9 @@
 
 #include "codec/bytes.h"
 #include "codec/decimal.h"
+#include "codec/goal_search.h"
 #include "codec/mesh_measure.h"
 #include "codec/mesh_source.h"
-#include "codec/pyramid_search.h"
 #include "relief/codec/container.h"
 #include "relief/multires/mesh_frames.h"
 
@@ -22,9 +22,9 @@ using multires::DetailFrames;
 /// Steps of a first trial, in units of the goal.
 constexpr double kFirstOfRms = 4;
 constexpr double kFirstOfMax = 1.5;
-/// How near to the goal a search ends, and after how many trials.
-constexpr double kClosely = 0.98;
-constexpr int kTrials = 12;
+/// Where searches for errors and for sizes end.
+constexpr SearchLimits kOfErrors = {.trials = 12, .close_enough = 0.98, .narrow = 1.002};
+constexpr SearchLimits kOfBytes = {.trials = 24, .close_enough = HUGE_VAL, .narrow = 1.01};
 /// How often vertices that are too far off are pulled back.
 constexpr int kRounds = 6;
 /// Files that keep coefficients exactly: 2^-24 of the largest.
@@ -196,28 +196,15 @@ class Encoder {
     /// The largest step with which the error stays within the goal, from a first one on.
     Result<std::optional<Trial>> search_step(const Weights& weights, double step,
                                              std::int64_t samples) {
-        std::optional<Trial> best;
-        double good = 0;
-        double bad = std::numeric_limits<double>::infinity();
-        for (int k = 0; k < kTrials && options_.goal.value > smallest_step() / 4; ++k) {
-            if (cancelled(0.9 * k / kTrials)) return cancelled_error();
-            Trial t = trial(quantisation(step, weights), exact_, samples);
-            const double share = share_of(t);
+        if (!(options_.goal.value > smallest_step() / 4)) return std::optional<Trial>();
+        const auto try_step = [&](double size) -> Result<Tried<Trial>> {
+            Trial t = trial(quantisation(size, weights), exact_, samples);
             const double used = t.quantisation.step;
-            if (share <= 1) {
-                if (used > good) best = std::move(t);
-                good = std::max(good, used);
-                if (share >= kClosely) break;
-            } else {
-                bad = std::min(bad, used);
-            }
-            const double aim = used * std::pow(std::max(share, 1e-3) / 0.99, -0.9);
-            step = aim;
-            if (good > 0 && bad < HUGE_VAL && !(aim > good && aim < bad))
-                step = std::sqrt(good * bad);
-            if (good > 0 && bad / good < 1.002) break;
-        }
-        return best;
+            const double share = share_of(t);
+            return Tried<Trial>{std::move(t), used, share};
+        };
+        return largest_unit<Trial>(step, 0, kOfErrors, {.least = 1e-3, .most = HUGE_VAL}, try_step,
+                                   [&](double done) { return cancelled(0.9 * done); });
     }
 
     /// The weights with which the file is the smallest, going each way as long as it helps;
@@ -288,31 +275,23 @@ class Encoder {
     }
 
     Result<Trial> search_bytes() {
-        const auto goal = static_cast<std::uint64_t>(std::min(options_.goal.value, 1e18));
-        const double longest = std::max(largest_, 1e-280);
-        Trial coarsest = trial(quantisation(longest, plain_weights()), exact_);
-        const std::uint64_t least = size_of(coarsest) + kHeaderSlack;
-        if (least > goal)
+        const auto try_step = [&](double step) -> Result<Tried<Trial>> {
+            Trial t = trial(quantisation(step, plain_weights()), exact_);
+            const double used = t.quantisation.step;
+            const auto size = static_cast<double>(size_of(t) + kHeaderSlack);
+            return Tried<Trial>{std::move(t), used, size / std::floor(options_.goal.value)};
+        };
+        RELIEF_TRY(Tried<Trial> coarsest, try_step(std::max(largest_, 1e-280)));
+        if (coarsest.share > 1)
             return Error{ErrorCode::InvalidArgument,
                          "no file is that small; the connectivity of the base, the numbers of "
                          "vertices and faces and what else is kept exactly take about " +
-                             std::to_string(least) + " bytes",
+                             std::to_string(size_of(coarsest.candidate) + kHeaderSlack) + " bytes",
                          ""};
-        double good = coarsest.quantisation.step;
-        double bad = std::max(smallest_step() / 4, good * 1e-12);
-        Trial best = std::move(coarsest);
-        for (int k = 0; k < 2 * kTrials && good / bad > 1.01; ++k) {
-            if (cancelled(0.9 * k / (2 * kTrials))) return cancelled_error();
-            Trial t = trial(quantisation(std::sqrt(good * bad), plain_weights()), exact_);
-            const double used = t.quantisation.step;
-            if (size_of(t) + kHeaderSlack <= goal) {
-                best = std::move(t);
-                good = used;
-            } else {
-                bad = used;
-            }
-        }
-        return best;
+        const double finest = std::max(smallest_step() / 4, coarsest.unit * 1e-12);
+        RELIEF_TRY(Tried<Trial> best, bisect(std::move(coarsest), finest, kOfBytes, try_step,
+                                             [&](double done) { return cancelled(0.9 * done); }));
+        return std::move(best.candidate);
     }
 
     /// Details that are small for their step become zero.
@@ -471,18 +450,6 @@ class Encoder {
     mutable std::vector<Bytes> extras_;
     double done_ = 0;
 };
-
-Status check_goal(const Goal& goal) {
-    const bool number = goal.value >= 0 && std::isfinite(goal.value);
-    if (goal.kind != Kind::Lossless && !number)
-        return Error{ErrorCode::InvalidArgument,
-                     "the goal " + std::string(goal_name(goal.kind)) +
-                         " must be a number that is not negative",
-                     ""};
-    if (goal.kind == Kind::Bytes && goal.value < 1)
-        return Error{ErrorCode::InvalidArgument, "a file has at least one byte", ""};
-    return {};
-}
 
 Result<EncodedMesh> encode_as(const PolygonMesh& mesh, multires::MeshScheme scheme,
                               const MeshEncodeOptions& options) {

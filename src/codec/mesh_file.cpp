@@ -2,11 +2,9 @@
 #include <cmath>
 #include <utility>
 
-#include "codec/bytes.h"
 #include "codec/mesh_coarse.h"
 #include "codec/mesh_extras.h"
 #include "codec/mesh_synthesis.h"
-#include "codec/quad_chunks.h"
 #include "relief/codec/container.h"
 
 namespace relief::codec {
@@ -15,18 +13,7 @@ namespace {
 
 using mesh::Index;
 
-constexpr double kLargestMove = 1e150;
-
-Error bad_file(std::string what, std::string where) {
-    return {ErrorCode::BadFile, std::move(what), std::move(where)};
-}
-
-/// What is wrong with data that came from a file is wrong with the file.
-template <class T>
-Result<T> of_file(Result<T> result, const char* where) {
-    if (result.ok()) return result;
-    return bad_file(result.error().text() + "; the file is damaged", where);
-}
+constexpr std::size_t kMoveBytes = 4 + 8 + 3 * 8;
 
 Bytes write_moves(const std::vector<MeshMove>& moves) {
     ByteWriter out;
@@ -39,17 +26,11 @@ Bytes write_moves(const std::vector<MeshMove>& moves) {
 }
 
 Result<std::vector<MeshMove>> read_moves(std::span<const std::uint8_t> bytes) {
-    std::vector<MeshMove> moves;
-    ByteReader in(bytes);
-    while (!in.failed() && !in.rest().empty()) {
-        MeshMove move;
-        move.level = static_cast<int>(std::min<std::uint32_t>(in.u32(), 1000));
+    return read_records<MeshMove>(bytes, kMoveBytes, [](ByteReader& in, MeshMove& move) {
+        move.level = read_move_level(in);
         move.vertex = in.u64();
         for (double& d : move.delta) d = in.f64();
-        moves.push_back(move);
-    }
-    if (in.failed()) return bad_file("the edits are cut off; the file is damaged", "edits chunk");
-    return moves;
+    });
 }
 
 }  // namespace
@@ -63,8 +44,8 @@ struct MeshFile::State {
     multires::MeshTags tags;
     std::vector<MeshMove> moves;
 
-    [[nodiscard]] MeshChunks numbers() const { return {header.levels}; }
-    [[nodiscard]] int depth(int level) const { return header.levels - level; }
+    [[nodiscard]] MeshChunks numbers() const { return MeshChunks(header.levels); }
+    [[nodiscard]] int depth(int level) const { return numbers().refined(level); }
     [[nodiscard]] mesh::MeshCounts counts(int depth) const {
         mesh::MeshCounts counts = base_counts;
         for (int step = 0; step < depth; ++step)
@@ -74,7 +55,6 @@ struct MeshFile::State {
 
     [[nodiscard]] Status read_base();
     [[nodiscard]] Status check_size() const;
-    [[nodiscard]] Status check_level(int level) const;
     [[nodiscard]] Status check_moves(const std::vector<MeshMove>& some) const;
     [[nodiscard]] Result<MeshPoints> points(const MeshSynthesis& synthesis, int depth,
                                             const MeshOrder& order) const;
@@ -114,36 +94,18 @@ Status MeshFile::State::read_base() {
 Status MeshFile::State::check_size() const {
     for (int d = 0; d <= header.levels; ++d) {
         const mesh::MeshCounts here = counts(d);
-        if (!mesh::check_size(here).ok() || !is_plausible(here.vertices, container.complete_size()))
-            return bad_file("claims levels of " + std::to_string(here.vertices) +
-                                " vertices, for which the file is too small",
-                            "header");
+        RELIEF_CHECK(check_plausible(container, here.vertices, "vertices"));
+        if (!mesh::check_size(here).ok())
+            return bad_file("claims more levels than there can be; the file is damaged", "header");
     }
     return {};
 }
 
-Status MeshFile::State::check_level(int level) const {
-    if (level >= 0 && level <= header.levels) return {};
-    return Error{ErrorCode::InvalidArgument,
-                 "there is no level " + std::to_string(level) + "; the file has levels 0 to " +
-                     std::to_string(header.levels),
-                 ""};
-}
-
 Status MeshFile::State::check_moves(const std::vector<MeshMove>& some) const {
     for (const MeshMove& move : some) {
-        RELIEF_CHECK(check_level(move.level));
+        RELIEF_CHECK(check_level(numbers(), move.level));
         const std::uint64_t vertices = counts(depth(move.level)).vertices;
-        if (move.vertex >= vertices)
-            return Error{ErrorCode::InvalidArgument,
-                         "vertex " + std::to_string(move.vertex) + " does not exist at level " +
-                             std::to_string(move.level) + "; it has vertices 0 to " +
-                             std::to_string(vertices - 1),
-                         ""};
-        for (const double d : move.delta)
-            if (!(std::abs(d) <= kLargestMove))
-                return Error{ErrorCode::InvalidArgument,
-                             "a move must be three numbers of at most 1e150", ""};
+        RELIEF_CHECK(check_move(move.level, move.vertex, vertices, move.delta));
     }
     return {};
 }
@@ -295,22 +257,15 @@ Result<MeshFile> MeshFile::open(std::shared_ptr<const ByteSource> source, std::u
     RELIEF_TRY(state->container, ContainerReader::open(std::move(source), visible));
     RELIEF_TRY(state->header, read_mesh_header(state->container.header()));
     const ContainerReader& container = state->container;
-    if (container.chunks().size() != state->numbers().count())
-        return bad_file("the header calls for " + std::to_string(state->numbers().count()) +
-                            " chunks, the file has " + std::to_string(container.chunks().size()),
-                        "directory");
-    if (!is_plausible(state->header.base_vertices, container.complete_size()) ||
-        !is_plausible(state->header.base_faces, container.complete_size()))
-        return bad_file("claims a base for which the file is too small", "header");
-    if (!container.complete(MeshChunks::kTags))
-        return bad_file("not even the coarsest level is there; read more bytes",
-                        "byte " + std::to_string(container.visible_size()));
+    RELIEF_CHECK(check_count(container, state->numbers()));
+    RELIEF_CHECK(check_plausible(container, state->header.base_vertices, "vertices"));
+    RELIEF_CHECK(check_plausible(container, state->header.base_faces, "faces"));
+    RELIEF_CHECK(check_coarsest(container, MeshChunks::kTags));
     RELIEF_CHECK(state->read_base());
     RELIEF_CHECK(state->check_size());
-    RELIEF_TRY(const Bytes edits, container.chunk(MeshChunks::kEdits));
+    RELIEF_TRY(const Bytes edits, container.chunk(kEditsChunk));
     RELIEF_TRY(state->moves, read_moves(edits));
-    if (!state->check_moves(state->moves).ok())
-        return bad_file("the edits are damaged", "edits chunk");
+    if (!state->check_moves(state->moves).ok()) return damaged_edits();
     return MeshFile(std::move(state));
 }
 
@@ -359,39 +314,16 @@ Status MeshFile::check(const std::vector<MeshMove>& more) const {
 }
 
 int MeshFile::finest_level() const {
-    const ContainerReader& container = state_->container;
-    if (container.complete(state_->numbers().creases())) return 0;
-    int level = levels();
-    while (level > 1 && container.complete(MeshChunks::step(state_->depth(level)))) --level;
-    return level;
+    return codec::finest_level(state_->container, state_->numbers());
 }
-
 std::uint64_t MeshFile::bytes_for(int level) const {
-    std::size_t last = state_->numbers().creases();
-    if (level > 0)
-        last = level == levels() ? MeshChunks::kTags : MeshChunks::step(state_->depth(level) - 1);
-    const ChunkInfo& chunk = state_->container.chunks()[last];
-    return chunk.offset + chunk.length;
+    return codec::bytes_for(state_->container, state_->numbers(), level);
 }
-
 std::vector<ChunkSummary> MeshFile::chunks() const {
-    const auto& directory = state_->container.chunks();
-    std::vector<ChunkSummary> list;
-    const auto add = [&](const char* kind, int level, std::size_t k) {
-        if (directory[k].length == 0) return;
-        list.push_back({kind, level, 1, directory[k].length, directory[k].bound});
-    };
-    const MeshChunks numbers = state_->numbers();
-    add("edits", 0, MeshChunks::kEdits);
-    add("base", levels(), MeshChunks::kBase);
-    add("tags", levels(), MeshChunks::kTags);
-    for (int step = 0; step < levels(); ++step)
-        add("details", levels() - 1 - step, MeshChunks::step(step));
-    add("order", 0, numbers.order());
-    add("exact", 0, numbers.exact());
-    add("attributes", 0, numbers.attributes());
-    add("labels", 0, numbers.labels());
-    add("creases", 0, numbers.creases());
+    std::vector<ChunkSummary> list = summaries(
+        state_->container, state_->numbers(),
+        {"base", "tags", "details", {"order", "exact", "attributes", "labels", "creases"}});
+    std::erase_if(list, [](const ChunkSummary& chunk) { return chunk.bytes == 0; });
     return list;
 }
 
@@ -401,7 +333,7 @@ std::optional<double> MeshFile::bound(int level) const {
 }
 
 Result<PolygonMesh> MeshFile::decode(int level) const {
-    RELIEF_CHECK(state_->check_level(level));
+    RELIEF_CHECK(check_level(state_->numbers(), level));
     const int depth = state_->depth(level);
     RELIEF_TRY(mesh::Topology base,
                mesh::build(state_->base_faces, static_cast<Index>(state_->base_points.size())));
@@ -419,13 +351,7 @@ Result<Bytes> add_mesh_moves(Bytes file, const std::vector<MeshMove>& moves) {
     std::vector<MeshMove> all = opened.moves();
     all.insert(all.end(), moves.begin(), moves.end());
     RELIEF_TRY(const ContainerReader reader, ContainerReader::open(source));
-    ContainerWriter writer;
-    writer.add(write_moves(all));
-    for (std::size_t k = 1; k < reader.chunks().size(); ++k) {
-        RELIEF_TRY(const Bytes chunk, reader.chunk(k));
-        writer.add(chunk, reader.chunks()[k].bound);
-    }
-    return writer.finish(reader.header());
+    return with_edits(reader, write_moves(all));
 }
 
 }  // namespace relief::codec

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "codec/level_chunks.h"
 #include "codec/value_lattice.h"
 #include "relief/codec/mesh_codec.h"
 
@@ -64,23 +65,19 @@ struct MeshHeader {
 /// Unsupported for other contents.
 [[nodiscard]] Result<MeshHeader> read_mesh_header(const std::string& text);
 
-/// The numbers of chunks.
-struct MeshChunks {
-    static constexpr std::size_t kEdits = 0;
-    static constexpr std::size_t kBase = 1;
-    static constexpr std::size_t kTags = 2;
-    static constexpr std::size_t kFirstStep = 3;
-    int levels = 0;
+/// The numbers of chunks: the coarsest level adds the tags of the base, a finer one the details of
+/// a step.
+struct MeshChunks : LevelChunks {
+    static constexpr std::size_t kTags = kFirstLevel;
 
-    [[nodiscard]] static std::size_t step(int number) {
-        return kFirstStep + static_cast<std::size_t>(number);
-    }
-    [[nodiscard]] std::size_t order() const { return step(levels); }
+    explicit MeshChunks(int level_count) : LevelChunks{level_count, 5} {}
+
+    [[nodiscard]] static std::size_t step(int number) { return of_refined(number + 1); }
+    [[nodiscard]] std::size_t order() const { return of_refined(levels) + 1; }
     [[nodiscard]] std::size_t exact() const { return order() + 1; }
     [[nodiscard]] std::size_t attributes() const { return order() + 2; }
     [[nodiscard]] std::size_t labels() const { return order() + 3; }
-    [[nodiscard]] std::size_t creases() const { return order() + 4; }
-    [[nodiscard]] std::size_t count() const { return order() + 5; }
+    [[nodiscard]] std::size_t creases() const { return last(); }
 };
 
 }  // namespace relief::codec

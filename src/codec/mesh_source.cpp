@@ -81,20 +81,11 @@ MeshOrder order_of(const Topology& mesh, const Topology& finest, const MeshOrigi
     MeshOrder order;
     order.vertices.resize(finest.vertex_count);
     for (Index h = 0; h < finest.half_edge_count(); ++h)
-        order.vertices[finest.origin[h]] = mesh.origin[origin.half_edges[h]];
+        order.vertices[finest.origin[h]] = mesh.origin[origin.half_edge(h)];
     const auto sides = static_cast<Index>(finest.sides);
     for (Index f = 0; f < finest.face_count; ++f)
-        order.corners.push_back(origin.half_edges[sides * f]);
+        order.corners.push_back(origin.half_edge(sides * f));
     return order;
-}
-
-/// The mesh has the numbers of its hierarchy, so that the order of the base is worth keeping. Else
-/// the base is numbered as it is coded.
-bool keeps_order(const Topology& mesh, const MeshOrigin& origin, const MeshEncodeOptions& options) {
-    if (!options.keep_order) return false;
-    for (Index h = 0; h < mesh.half_edge_count(); ++h)
-        if (origin.half_edges[h] != h) return false;
-    return true;
 }
 
 std::vector<AttributeHeader> attribute_headers(const PolygonMesh& mesh) {
@@ -170,7 +161,9 @@ Result<MeshSource> prepare_mesh(const PolygonMesh& mesh, MeshScheme scheme,
     const MeshTags tags = tags_of(mesh, topology);
     RELIEF_TRY(MeshOrigin origin, multires::origin_of(topology, points, tags, scheme,
                                                       options.levels < 0 ? 30 : options.levels));
-    if (!keeps_order(topology, origin, options)) {
+    // A mesh that has the numbers of its hierarchy keeps the order of the base. Else the base is
+    // numbered as it is coded.
+    if (!options.keep_order || !origin.in_order()) {
         const CodedBase coded =
             encode_base(origin.base, std::vector<GridPoint>(origin.base.vertex_count));
         RELIEF_TRY(origin, multires::renumbered(origin, coded.vertices, coded.corners));

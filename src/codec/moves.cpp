@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "codec/bytes.h"
+#include "codec/edits.h"
 
 namespace relief::codec {
 
@@ -35,18 +35,18 @@ Bytes write_moves(const std::vector<Move>& moves) {
 
 Result<std::vector<Move>> read_moves(std::span<const std::uint8_t> bytes,
                                      const multires::PyramidLayout& layout) {
-    const Error damaged{ErrorCode::BadFile, "the edits are damaged", "edits chunk"};
     ByteReader in(bytes);
     const std::uint64_t count = in.u64();
     if (in.failed() || in.rest().size() % kMoveBytes != 0 || count != in.rest().size() / kMoveBytes)
-        return damaged;
+        return damaged_edits();
     std::vector<Move> moves(count);
     for (Move& move : moves) {
-        move.level = static_cast<int>(std::min<std::uint32_t>(in.u32(), 1000));
+        move.level = read_move_level(in);
         move.row = in.i64();
         move.col = in.i64();
         for (double& delta : move.delta) delta = in.f64();
-        if (!is_displacement(move) || !multires::check_move(layout, move).ok()) return damaged;
+        if (!is_displacement(move) || !multires::check_move(layout, move).ok())
+            return damaged_edits();
     }
     return moves;
 }

@@ -29,39 +29,37 @@ constexpr double kSmoothing = 1e-10;
 /// What code may add to the error of a spline that is not within the bound, in parts of the bound.
 constexpr double kCodeShare = 0.25;
 
-/// Points with values and weights of their own.
-struct OwnedData {
-    std::vector<Vec2> points;
-    std::vector<double> values;
-    std::vector<double> weights;
-
-    OwnedData() = default;
-    explicit OwnedData(const ps::ScatteredData& data)
-        : points(data.points.begin(), data.points.end()),
-          values(data.values.begin(), data.values.end()),
-          weights(data.weights.begin(), data.weights.end()) {}
-
-    [[nodiscard]] PsData measured() && {
-        return {std::move(points), {std::move(values)}, std::move(weights)};
-    }
+/// What encode_points is asked, but for the method.
+struct Task {
+    const PsData& data;
+    const std::optional<Goal>& goal;
+    const Progress& progress;
+    const PsReference& reference;
 };
 
-Status check(const ps::ScatteredData& data) {
+Status check(const PsData& data) {
     const std::size_t points = data.points.size();
-    if (data.values.size() != points || (!data.weights.empty() && data.weights.size() != points))
-        return Error{ErrorCode::BadInput,
-                     "size_mismatch: " + std::to_string(points) + " points have " +
-                         std::to_string(data.values.size()) + " values and " +
-                         std::to_string(data.weights.size()) + " weights",
-                     "points"};
+    if (data.values.empty() || data.values.size() > 3)
+        return Error{ErrorCode::InvalidArgument,
+                     "component_count: points have one to three values each", "points"};
+    for (const auto& values : data.values)
+        if (values.size() != points || (!data.weights.empty() && data.weights.size() != points))
+            return Error{ErrorCode::BadInput,
+                         "size_mismatch: " + std::to_string(points) + " points have " +
+                             std::to_string(values.size()) + " values and " +
+                             std::to_string(data.weights.size()) + " weights",
+                         "points"};
     const auto usable = [](double number) { return std::abs(number) <= kLargest; };
-    for (std::size_t k = 0; k < points; ++k)
-        if (!usable(data.points[k].x) || !usable(data.points[k].y) || !usable(data.values[k]) ||
-            (!data.weights.empty() && !(usable(data.weights[k]) && data.weights[k] >= 0)))
+    for (std::size_t k = 0; k < points; ++k) {
+        bool good = usable(data.points[k].x) && usable(data.points[k].y) &&
+                    (data.weights.empty() || (usable(data.weights[k]) && data.weights[k] >= 0));
+        for (const auto& values : data.values) good = good && usable(values[k]);
+        if (!good)
             return Error{ErrorCode::BadInput,
                          "non_finite_input: its numbers are at most 1e150, its weight is not "
                          "negative; leave the point out or correct it",
                          "point " + std::to_string(k)};
+    }
     return {};
 }
 
@@ -75,20 +73,22 @@ Result<EncodedPs> encode(const PsModel& model, const Goal& goal, bool keep_order
 }
 
 /// The weighted mean of the values at each vertex; the plain one where all weights are zero.
-std::vector<double> means(const ps::ScatteredData& data, const mesh::Delaunay& delaunay) {
+std::vector<double> means(const PsData& data, std::size_t component,
+                          const mesh::Delaunay& delaunay) {
     struct Sum {
         double values = 0;
         double count = 0;
         double weighted = 0;
         double weights = 0;
     };
+    const std::vector<double>& values = data.values[component];
     std::vector<Sum> sums(delaunay.mesh.vertex_count());
-    for (std::size_t k = 0; k < data.points.size(); ++k) {
+    for (std::size_t k = 0; k < values.size(); ++k) {
         Sum& sum = sums[delaunay.vertex_of_point[k]];
         const double weight = data.weights.empty() ? 1 : data.weights[k];
-        sum.values += data.values[k];
+        sum.values += values[k];
         sum.count += 1;
-        sum.weighted += weight * data.values[k];
+        sum.weighted += weight * values[k];
         sum.weights += weight;
     }
     std::vector<double> means(sums.size());
@@ -98,15 +98,17 @@ std::vector<double> means(const ps::ScatteredData& data, const mesh::Delaunay& d
     return means;
 }
 
-Result<EncodedPoints> interpolate(const ps::ScatteredData& data, const Interpolation& method,
-                                  const std::optional<Goal>& goal, const Progress& progress) {
+Result<EncodedPoints> interpolate(const Task& task, const Interpolation& method) {
+    const PsData& data = task.data;
     RELIEF_TRY(mesh::Delaunay delaunay, mesh::delaunay(data.points));
-    PsValues values{{means(data, delaunay)}, method.gradients};
+    PsValues values{{}, method.gradients};
+    for (std::size_t m = 0; m < data.values.size(); ++m)
+        values.components.push_back(means(data, m, delaunay));
     EncodedPoints result;
     result.merged = data.points.size() - delaunay.mesh.vertex_count();
-    const PsModel model{std::move(delaunay.mesh), std::move(values), OwnedData(data).measured()};
-    RELIEF_TRY(EncodedPs encoded,
-               encode(model, goal.value_or(Goal{Goal::Kind::Lossless, 0}), false, progress));
+    const PsModel model{std::move(delaunay.mesh), std::move(values), data, task.reference};
+    const Goal exact{Goal::Kind::Lossless, 0};
+    RELIEF_TRY(EncodedPs encoded, encode(model, task.goal.value_or(exact), false, task.progress));
     result.bytes = std::move(encoded.bytes);
     result.report = encoded.report;
     return result;
@@ -129,27 +131,29 @@ Status check_levels(const mesh::Triangulation& base, int levels) {
 
 /// Where the data are on a triangulation.
 struct Located {
-    OwnedData data;                ///< those on a triangle
+    PsData data;                   ///< those on a triangle
     std::vector<Index> triangles;  ///< of each of them
 };
 
-Located locate(const mesh::Triangulation& mesh, const ps::ScatteredData& all) {
+Located locate(const mesh::Triangulation& mesh, const PsData& all) {
     const mesh::TriangleLocator locator(mesh);
     std::vector<Index> triangles(all.points.size());
     locator.locate(all.points, triangles);
     Located found;
+    found.data.values.resize(all.values.size());
     for (std::size_t k = 0; k < triangles.size(); ++k) {
         if (triangles[k] == kNone) continue;
         found.triangles.push_back(triangles[k]);
         found.data.points.push_back(all.points[k]);
-        found.data.values.push_back(all.values[k]);
+        for (std::size_t m = 0; m < all.values.size(); ++m)
+            found.data.values[m].push_back(all.values[m][k]);
         if (!all.weights.empty()) found.data.weights.push_back(all.weights[k]);
     }
     return found;
 }
 
-Result<EncodedPoints> approximate(const ps::ScatteredData& data, const Approximation& method,
-                                  const std::optional<Goal>& goal, const Progress& progress) {
+Result<EncodedPoints> approximate(const Task& task, const Approximation& method) {
+    const PsData& data = task.data;
     const auto* given = std::get_if<mesh::Triangulation>(&method.base);
     mesh::Triangulation base;
     if (given != nullptr) {
@@ -171,24 +175,28 @@ Result<EncodedPoints> approximate(const ps::ScatteredData& data, const Approxima
         return Error{ErrorCode::BadInput,
                      "no_data: none of the points lies on the triangles; compare their extents",
                      "points"};
-    RELIEF_TRY(const ps::LeastSquares squares,
-               ps::LeastSquares::create(
-                   space, {located.data.points, located.triangles, located.data.weights}));
-    RELIEF_TRY(ps::FittedSpline fitted, squares.fit(located.data.values, method.smoothing));
+    RELIEF_TRY(
+        const ps::LeastSquares squares,
+        ps::LeastSquares::create(
+            space, {located.data.points, located.triangles, located.data.weights}, method.energy));
+    const std::vector<std::span<const double>> components(located.data.values.begin(),
+                                                          located.data.values.end());
+    RELIEF_TRY(ps::FittedSplines fitted, squares.fit(components, method.smoothing));
     result.smoothing = fitted.report.smoothing;
     const double rms = fitted.report.rms_error;
-    const PsModel model{std::move(base), PsSplines{method.levels, {std::move(fitted.spline)}},
-                        std::move(located.data).measured()};
+    const PsModel model{std::move(base), PsSplines{method.levels, std::move(fitted.components)},
+                        std::move(located.data), task.reference};
     const Goal close = rms > 0 ? Goal{Goal::Kind::RmsError, (1 + kNegligible) * rms}
                                : Goal{Goal::Kind::Lossless, 0};
-    RELIEF_TRY(EncodedPs encoded, encode(model, goal.value_or(close), given != nullptr, progress));
+    RELIEF_TRY(EncodedPs encoded,
+               encode(model, task.goal.value_or(close), given != nullptr, task.progress));
     result.bytes = std::move(encoded.bytes);
     result.report = encoded.report;
     return result;
 }
 
 /// How many points the decoded surface misses by more than the bound.
-Result<std::size_t> count_beyond(const ps::ScatteredData& data, Bytes bytes, double bound) {
+Result<std::size_t> count_beyond(const PsData& data, Bytes bytes, double bound) {
     RELIEF_TRY(const PsFile file, PsFile::open(std::move(bytes)));
     RELIEF_TRY(const PsSurface level, file.surface(0));
     RELIEF_TRY(const ps::Surface surface, ps::Surface::create(level.space, level.components));
@@ -197,18 +205,21 @@ Result<std::size_t> count_beyond(const ps::ScatteredData& data, Bytes bytes, dou
                               ps::Outside::Nearest));
     std::size_t beyond = 0;
     for (std::size_t k = 0; k < jets.size(); ++k)
-        beyond += std::abs(jets[k].value - data.values[k]) > bound;
+        beyond += std::abs(jets[k].value - data.values[0][k]) > bound;
     return beyond;
 }
 
 /// The spline within a share of the bound, coded within all of it.
-Result<EncodedPoints> insert_within(const ps::ScatteredData& data, const Insertion& method,
-                                    double bound, double share, const Progress& progress) {
+Result<EncodedPoints> insert_within(const Task& task, const Insertion& method, double share) {
+    const PsData& data = task.data;
+    const double bound = task.goal->value;
     RELIEF_TRY(ps::AdaptiveSurface surface,
-               ps::fit_within(data, {.max_error = share * bound,
-                                     .most_vertices = method.most_vertices,
-                                     .smoothing = method.smoothing.value_or(kSmoothing),
-                                     .progress = progress}));
+               ps::fit_within({data.points, data.values[0], data.weights},
+                              {.max_error = share * bound,
+                               .most_vertices = method.most_vertices,
+                               .smoothing = method.smoothing.value_or(kSmoothing),
+                               .energy = method.energy,
+                               .progress = task.progress}));
     const double error = surface.report.max_error;
     const bool limited = surface.space.mesh.vertex_count() >= method.most_vertices;
     if (error > bound && !limited)
@@ -217,8 +228,8 @@ Result<EncodedPoints> insert_within(const ps::ScatteredData& data, const Inserti
     result.smoothing = surface.report.smoothing;
     const Goal goal{Goal::Kind::MaxError, error > bound ? error + kCodeShare * bound : bound};
     const PsModel model{std::move(surface.space.mesh), PsSplines{0, {std::move(surface.spline)}},
-                        OwnedData(data).measured()};
-    RELIEF_TRY(EncodedPs encoded, encode(model, goal, false, progress));
+                        data, task.reference};
+    RELIEF_TRY(EncodedPs encoded, encode(model, goal, false, task.progress));
     result.bytes = std::move(encoded.bytes);
     result.report = encoded.report;
     if (result.report.max_error > bound) {
@@ -236,11 +247,12 @@ struct Conflict {
 };
 
 /// The one whose values are farthest apart.
-Conflict worst_conflict(const ps::ScatteredData& data) {
+Conflict worst_conflict(const PsData& data) {
+    const std::vector<double>& values = data.values[0];
     std::vector<std::size_t> order(data.points.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     const auto key = [&](std::size_t k) {
-        return std::tuple(data.points[k].x, data.points[k].y, data.values[k], k);
+        return std::tuple(data.points[k].x, data.points[k].y, values[k], k);
     };
     std::sort(order.begin(), order.end(),
               [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
@@ -249,18 +261,23 @@ Conflict worst_conflict(const ps::ScatteredData& data) {
         while (end < order.size() && data.points[order[end]] == data.points[order[begin]]) ++end;
         const std::size_t low = order[begin];
         const std::size_t high = order[end - 1];
-        const double apart = data.values[high] - data.values[low];
+        const double apart = values[high] - values[low];
         if (apart > worst.apart) worst = {std::min(low, high), std::max(low, high), apart};
     }
     return worst;
 }
 
-Result<EncodedPoints> insert(const ps::ScatteredData& data, const Insertion& method,
-                             const std::optional<Goal>& goal, const Progress& progress) {
-    if (!goal || goal->kind != Goal::Kind::MaxError || !(goal->value >= 0))
+Result<EncodedPoints> insert(const Task& task, const Insertion& method) {
+    const PsData& data = task.data;
+    if (!task.goal || task.goal->kind != Goal::Kind::MaxError || !(task.goal->value >= 0))
         return Error{ErrorCode::InvalidArgument,
                      "vertices are inserted for a largest error, a number from 0 on", ""};
-    const double bound = goal->value;
+    if (data.values.size() != 1)
+        return Error{ErrorCode::InvalidArgument,
+                     "component_count: vertices are inserted for one value a point; with several, "
+                     "interpolate, or choose a number of vertices or triangles",
+                     ""};
+    const double bound = task.goal->value;
     const Conflict conflict = worst_conflict(data);
     if (conflict.apart > 2 * bound && method.most_vertices >= data.points.size())
         return Error{ErrorCode::BadInput,
@@ -269,9 +286,7 @@ Result<EncodedPoints> insert(const ps::ScatteredData& data, const Insertion& met
                          " lie at the same place and their values are farther apart than twice "
                          "the bound; allow more, or leave one of them out",
                      "points"};
-    const auto trial = [&](double share) {
-        return insert_within(data, method, bound, share, progress);
-    };
+    const auto trial = [&](double share) { return insert_within(task, method, share); };
     auto best = trial(conflict.apart > 2 * kShareOfFew * bound ? 1 : kShareOfFew);
     const std::size_t points = data.points.size();
     if (!best.ok() || best->beyond > 0 ||
@@ -281,22 +296,23 @@ Result<EncodedPoints> insert(const ps::ScatteredData& data, const Insertion& met
         if (other.ok() && other->bytes.size() < best->bytes.size()) best = std::move(other);
     };
     keep_smaller(trial(kShareOfMany));
-    if (!method.smoothing && points <= method.most_vertices)
-        keep_smaller(interpolate(data, {}, goal, progress));
-    if (progress && !progress(1)) return Error{ErrorCode::Cancelled, "cancelled", ""};
+    if (!method.smoothing && points <= method.most_vertices) keep_smaller(interpolate(task, {}));
+    if (task.progress && !task.progress(1)) return Error{ErrorCode::Cancelled, "cancelled", ""};
     return best;
 }
 
 }  // namespace
 
-Result<EncodedPoints> encode_points(const ps::ScatteredData& data, const PointMethod& method,
-                                    std::optional<Goal> goal, const Progress& progress) {
+Result<EncodedPoints> encode_points(const PsData& data, const PointMethod& method,
+                                    std::optional<Goal> goal, const Progress& progress,
+                                    const PsReference& reference) {
     RELIEF_CHECK(check(data));
+    const Task task{data, goal, progress, reference};
     if (const auto* interpolation = std::get_if<Interpolation>(&method))
-        return interpolate(data, *interpolation, goal, progress);
+        return interpolate(task, *interpolation);
     if (const auto* approximation = std::get_if<Approximation>(&method))
-        return approximate(data, *approximation, goal, progress);
-    return insert(data, std::get<Insertion>(method), goal, progress);
+        return approximate(task, *approximation);
+    return insert(task, std::get<Insertion>(method));
 }
 
 }  // namespace relief::codec

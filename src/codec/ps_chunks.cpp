@@ -1,15 +1,12 @@
 #include "codec/ps_chunks.h"
 
-#include <algorithm>
-
-#include "codec/bytes.h"
 #include "relief/codec/container.h"
 
 namespace relief::codec {
 
 namespace {
 
-constexpr std::uint64_t kMoveBytes = 4 + 1 + 8 + 3 * 8;
+constexpr std::size_t kMoveBytes = 4 + 1 + 8 + 3 * 8;
 
 }  // namespace
 
@@ -56,17 +53,12 @@ Bytes write_ps_moves(const std::vector<PsMove>& moves) {
 }
 
 Result<std::vector<PsMove>> read_ps_moves(std::span<const std::uint8_t> bytes) {
-    if (bytes.size() % kMoveBytes != 0)
-        return Error{ErrorCode::BadFile, "the edits are damaged", "edits chunk"};
-    ByteReader in(bytes);
-    std::vector<PsMove> moves(static_cast<std::size_t>(bytes.size() / kMoveBytes));
-    for (PsMove& move : moves) {
-        move.level = static_cast<int>(std::min<std::uint32_t>(in.u32(), 1000));
+    return read_records<PsMove>(bytes, kMoveBytes, [](ByteReader& in, PsMove& move) {
+        move.level = read_move_level(in);
         move.component = in.u8();
         move.vertex = in.u64();
         for (double* number : {&move.rise, &move.tilt.x, &move.tilt.y}) *number = in.f64();
-    }
-    return moves;
+    });
 }
 
 }  // namespace relief::codec

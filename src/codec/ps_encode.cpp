@@ -4,10 +4,10 @@
 #include <utility>
 
 #include "codec/decimal.h"
+#include "codec/goal_search.h"
 #include "codec/ps_chunks.h"
 #include "codec/ps_measure.h"
 #include "codec/ps_source.h"
-#include "codec/pyramid_search.h"
 
 namespace relief::codec {
 
@@ -17,9 +17,9 @@ using ps::Update;
 
 namespace {
 
-constexpr int kTrials = 16;
-/// How near to the goal a search ends.
-constexpr double kClosely = 0.985;
+/// Where searches for errors and for sizes end.
+constexpr SearchLimits kOfErrors = {.trials = 16, .close_enough = 0.985, .narrow = 1.001};
+constexpr SearchLimits kOfBytes = {.trials = 32, .close_enough = 0.985, .narrow = 1.002};
 constexpr double kLeastShare = 1e-6;
 /// Quotients are rounded towards zero where squared errors count: fewer bits at the same error.
 constexpr double kTowardsZero = 0.42;
@@ -28,10 +28,6 @@ constexpr double kNearest = 0.5;
 constexpr double kFine = 0x1p-24;
 /// What numbers in the final header may take more than those of a trial.
 constexpr std::uint64_t kHeaderSlack = 16;
-
-Error bad_argument(std::string message) {
-    return {ErrorCode::InvalidArgument, std::move(message), ""};
-}
 
 /// A way to code, and what it decodes to.
 struct Trial {
@@ -91,6 +87,7 @@ class Encoder {
         header.components = static_cast<int>(components());
         header.levels = hierarchy().levels();
         header.goal = options_.goal;
+        header.reference = source_.reference;
         return header;
     }
 
@@ -105,14 +102,15 @@ class Encoder {
         return file.ok() ? file->size() + kHeaderSlack : std::numeric_limits<std::uint64_t>::max();
     }
 
-    /// How much a trial uses up of what the spline leaves of the goal; it is met up to 1.
+    /// How much a trial uses up of what the spline leaves of the goal; it is met up to 1. Without
+    /// an error there is no more to be had.
     [[nodiscard]] Result<double> share_of(const Trial& trial) const {
         const Goal& goal = options_.goal;
         if (goal.kind == Kind::Bytes) return static_cast<double>(size_of(trial)) / goal.value;
         const bool of_max = goal.kind == Kind::MaxError;
         RELIEF_TRY(const PsErrors errors, errors_of(trial, of_max));
         const double error = of_max ? errors.max : errors.rms();
-        if (error == 0) return 0;
+        if (error == 0) return 1;
         const double used = of_max ? error - missed_ : error * error - missed_ * missed_;
         const double room =
             of_max ? goal.value - missed_ : goal.value * goal.value - missed_ * missed_;
@@ -122,50 +120,37 @@ class Encoder {
                                    : std::max(share, 1 + kLeastShare);
     }
 
+    /// What `make` makes of a unit, as codec::Tried.
+    template <class Make>
+    [[nodiscard]] auto trying(Make make) const {
+        return [this, make](double unit) -> Result<Tried<Trial>> {
+            RELIEF_TRY(Trial trial, make(unit));
+            RELIEF_TRY(const double share, share_of(trial));
+            return Tried<Trial>{std::move(trial), unit, share};
+        };
+    }
+
     /// The trial with the largest unit that meets an error goal; none: no unit down to `least`.
     template <class Make>
     Result<std::optional<Trial>> search_error(double unit, double least, Make make) {
-        std::optional<Trial> best;
-        double good = 0;
-        double bad = std::numeric_limits<double>::infinity();
-        for (int k = 0; k < kTrials && unit >= least && bad > 1.001 * good; ++k) {
-            if (cancelled(0.9 * k / kTrials)) return cancelled_error();
-            RELIEF_TRY(Trial trial, make(unit));
-            RELIEF_TRY(const double share, share_of(trial));
-            (share <= 1 ? good : bad) = unit;
-            if (share <= 1) best = std::move(trial);
-            if (share <= 1 && share >= kClosely) break;
-            if (share == 0) break;
-            const double aim =
-                unit * std::pow(std::clamp(share, 0.01, 100.0) / (0.5 + 0.5 * kClosely), -0.9);
-            unit = aim > good && aim < bad ? aim : std::sqrt(good * bad);
-        }
-        return best;
+        return largest_unit<Trial>(unit, least, kOfErrors, {.least = 0.01, .most = 100},
+                                   trying(make),
+                                   [&](double done) { return cancelled(0.9 * done); });
     }
 
     /// The trial with the smallest unit that meets a goal of bytes.
     template <class Make>
     Result<Trial> search_bytes(double least, double most, Make make) {
-        RELIEF_TRY(Trial best, make(most));
-        RELIEF_TRY(double share, share_of(best));
-        if (share > 1)
+        const auto try_unit = trying(make);
+        RELIEF_TRY(Tried<Trial> coarsest, try_unit(most));
+        if (coarsest.share > 1)
             return bad_argument(
                 "no file is that small; the mesh and the numbers of its vertices "
                 "take about " +
-                std::to_string(size_of(best)) + " bytes");
-        double good = most;
-        double bad = least;
-        for (int k = 0; k < 2 * kTrials && good > 1.002 * bad && share < kClosely; ++k) {
-            if (cancelled(0.45 * k / kTrials)) return cancelled_error();
-            const double unit = std::sqrt(good) * std::sqrt(bad);
-            RELIEF_TRY(Trial trial, make(unit));
-            RELIEF_TRY(const double used, share_of(trial));
-            (used <= 1 ? good : bad) = unit;
-            if (used > 1) continue;
-            share = used;
-            best = std::move(trial);
-        }
-        return best;
+                std::to_string(size_of(coarsest.candidate)) + " bytes");
+        RELIEF_TRY(Tried<Trial> best, bisect(std::move(coarsest), least, kOfBytes, try_unit,
+                                             [&](double done) { return cancelled(0.9 * done); }));
+        return std::move(best.candidate);
     }
 
     const PsSource& source_;
@@ -573,15 +558,6 @@ class SplineEncoder final : public Encoder {
         return errors.square;
     }
 };
-
-Status check_goal(const Goal& goal) {
-    const bool number = goal.value >= 0 && std::isfinite(goal.value);
-    if (goal.kind != Kind::Lossless && !number)
-        return bad_argument("the goal must be a number that is not negative");
-    if (goal.kind == Kind::Bytes && goal.value < 1)
-        return bad_argument("a file has at least one byte");
-    return {};
-}
 
 }  // namespace
 

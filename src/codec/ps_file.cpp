@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "codec/ps_chunks.h"
-#include "codec/quad_chunks.h"
 #include "relief/codec/container.h"
 
 namespace relief::codec {
@@ -11,44 +10,19 @@ namespace relief::codec {
 namespace ps = multires::ps;
 using mesh::Index;
 
-namespace {
-
-constexpr double kLargestMove = 1e150;
-
-Error bad_file(std::string what, std::string where) {
-    return {ErrorCode::BadFile, std::move(what), std::move(where)};
-}
-
-/// What is wrong with data that came from a file is wrong with the file.
-template <class T>
-Result<T> of_file(Result<T> result, const char* where) {
-    if (result.ok()) return result;
-    return bad_file(result.error().text() + "; the file is damaged", where);
-}
-
-Error bad_argument(std::string message) {
-    return {ErrorCode::InvalidArgument, std::move(message), ""};
-}
-
-}  // namespace
-
 struct PsFile::State {
     ContainerReader container;
     PsHeader header;
     mesh::Triangulation base;
     std::vector<PsMove> moves;
 
-    [[nodiscard]] PsChunks chunks() const { return {header.levels}; }
-    /// How often the base is refined at a level.
-    [[nodiscard]] int refined(int level) const { return header.levels - level; }
+    [[nodiscard]] PsChunks chunks() const { return PsChunks(header.levels); }
+    [[nodiscard]] int refined(int level) const { return chunks().refined(level); }
     [[nodiscard]] std::size_t components() const {
         return static_cast<std::size_t>(header.components);
     }
 
     [[nodiscard]] Status check_sizes() const;
-    [[nodiscard]] Status check_finest() const;
-    [[nodiscard]] Status check_level(int level) const;
-    [[nodiscard]] Status check_complete(int level) const;
     [[nodiscard]] Status check_moves(const std::vector<PsMove>& some) const;
     [[nodiscard]] Result<VertexValues> values() const;
     [[nodiscard]] Result<LevelHeights> decoded(const ps::Hierarchy& hierarchy) const;
@@ -56,53 +30,29 @@ struct PsFile::State {
 };
 
 Status PsFile::State::check_sizes() const {
-    if (container.chunks().size() != chunks().count())
-        return bad_file("the header calls for " + std::to_string(chunks().count()) +
-                            " chunks, the file has " + std::to_string(container.chunks().size()),
-                        "directory");
-    if (is_plausible(header.base.vertices, container.complete_size()) &&
-        header.base.triangles <= 2 * header.base.vertices)
-        return {};
-    return bad_file("claims a mesh of " + std::to_string(header.base.vertices) +
-                        " vertices, for which the file is too small",
-                    "header");
-}
-
-Status PsFile::State::check_finest() const {
-    const std::uint64_t vertices = level_counts(base, header.levels).vertices;
-    if (is_plausible(vertices, container.complete_size())) return {};
-    return bad_file("claims levels of " + std::to_string(vertices) +
-                        " vertices, for which the file is too small",
-                    "header");
-}
-
-Status PsFile::State::check_level(int level) const {
-    if (level >= 0 && level <= header.levels) return {};
-    return bad_argument("there is no level " + std::to_string(level) +
-                        "; the file has levels 0 to " + std::to_string(header.levels));
+    RELIEF_CHECK(check_count(container, chunks()));
+    if (header.base.triangles > 2 * header.base.vertices)
+        return bad_file("claims more triangles than its vertices can have; the file is damaged",
+                        "header");
+    return check_plausible(container, header.base.vertices, "vertices");
 }
 
 Status PsFile::State::check_moves(const std::vector<PsMove>& some) const {
     for (const PsMove& move : some) {
-        RELIEF_CHECK(check_level(move.level));
+        RELIEF_CHECK(check_level(chunks(), move.level));
         const std::uint64_t vertices = level_counts(base, refined(move.level)).vertices;
-        if (move.vertex >= vertices)
-            return bad_argument("vertex " + std::to_string(move.vertex) +
-                                " does not exist at level " + std::to_string(move.level) +
-                                "; it has vertices 0 to " + std::to_string(vertices - 1));
+        RELIEF_CHECK(check_move(move.level, move.vertex, vertices,
+                                std::array{move.rise, move.tilt.x, move.tilt.y}));
         if (move.component < 0 || move.component >= header.components)
             return bad_argument("there is no component " + std::to_string(move.component) +
                                 "; the file has components 0 to " +
                                 std::to_string(header.components - 1));
-        for (const double number : {move.rise, move.tilt.x, move.tilt.y})
-            if (!(std::abs(number) <= kLargestMove))
-                return bad_argument("a move must be numbers of at most 1e150");
     }
     return {};
 }
 
 Result<VertexValues> PsFile::State::values() const {
-    RELIEF_TRY(const Bytes chunk, container.chunk(PsChunks::level(0)));
+    RELIEF_TRY(const Bytes chunk, container.chunk(PsChunks::of_refined(0)));
     return decode_ps_values(base, header.lattices, chunk);
 }
 
@@ -118,7 +68,7 @@ Result<LevelHeights> PsFile::State::decoded(const ps::Hierarchy& hierarchy) cons
         const std::size_t old = m == 0 ? 0 : hierarchy.space(m - 1).mesh.x.size();
         LevelHeights heights(components(),
                              ps::Coefficients(hierarchy.space(m).mesh.x.size() - old));
-        RELIEF_TRY(const Bytes chunk, container.chunk(PsChunks::level(m)));
+        RELIEF_TRY(const Bytes chunk, container.chunk(PsChunks::of_refined(m)));
         RELIEF_CHECK(coder.decode_next(chunk, heights));
         for (std::size_t c = 0; c < splines.size(); ++c) {
             if (m == 0)
@@ -173,16 +123,14 @@ Result<PsFile> PsFile::open(std::shared_ptr<const ByteSource> source, std::uint6
     RELIEF_TRY(state->header, read_ps_header(container.header()));
     RELIEF_CHECK(state->check_sizes());
     const PsChunks chunks = state->chunks();
-    if (!container.complete(chunks.levels == 0 ? chunks.correction() : PsChunks::kFirstLevel))
-        return bad_file("not even the coarsest level is there; read more bytes",
-                        "byte " + std::to_string(container.visible_size()));
-    RELIEF_TRY(const Bytes mesh, container.chunk(PsChunks::kMesh));
+    RELIEF_CHECK(check_coarsest(container, chunks.last_of(chunks.levels)));
+    RELIEF_TRY(const Bytes mesh, container.chunk(PsChunks::kBase));
     RELIEF_TRY(state->base, decode_ps_base(mesh, state->header.base));
-    RELIEF_CHECK(state->check_finest());
-    RELIEF_TRY(const Bytes edits, container.chunk(PsChunks::kEdits));
+    const std::uint64_t finest = level_counts(state->base, chunks.levels).vertices;
+    RELIEF_CHECK(check_plausible(container, finest, "vertices"));
+    RELIEF_TRY(const Bytes edits, container.chunk(kEditsChunk));
     RELIEF_TRY(state->moves, read_ps_moves(edits));
-    if (!state->check_moves(state->moves).ok())
-        return bad_file("the edits are damaged", "edits chunk");
+    if (!state->check_moves(state->moves).ok()) return damaged_edits();
     return PsFile(std::move(state));
 }
 
@@ -194,6 +142,9 @@ int PsFile::components() const {
 }
 Goal PsFile::goal() const {
     return state_->header.goal;
+}
+const PsReference& PsFile::reference() const {
+    return state_->header.reference;
 }
 bool PsFile::holds_values() const {
     return state_->header.gradients.has_value();
@@ -245,32 +196,14 @@ Status PsFile::check(const std::vector<PsMove>& more) const {
 }
 
 int PsFile::finest_level() const {
-    const ContainerReader& container = state_->container;
-    int level = container.complete(state_->chunks().correction()) ? 0 : 1;
-    while (level < levels() && !container.complete(PsChunks::level(state_->refined(level))))
-        ++level;
-    return std::min(level, levels());
+    return codec::finest_level(state_->container, state_->chunks());
 }
-
 std::uint64_t PsFile::bytes_for(int level) const {
-    const std::size_t last =
-        level == 0 ? state_->chunks().correction() : PsChunks::level(state_->refined(level));
-    const ChunkInfo& chunk = state_->container.chunks()[last];
-    return chunk.offset + chunk.length;
+    return codec::bytes_for(state_->container, state_->chunks(), level);
 }
-
 std::vector<ChunkSummary> PsFile::chunks() const {
-    const auto& directory = state_->container.chunks();
-    std::vector<ChunkSummary> list;
-    const auto add = [&](const char* kind, int level, std::size_t k) {
-        list.push_back({kind, level, 1, directory[k].length, directory[k].bound});
-    };
-    add("edits", 0, PsChunks::kEdits);
-    add("mesh", levels(), PsChunks::kMesh);
-    for (int level = levels(); level >= 0; --level)
-        add("level", level, PsChunks::level(state_->refined(level)));
-    add("correction", 0, state_->chunks().correction());
-    return list;
+    return summaries(state_->container, state_->chunks(),
+                     {"mesh", "level", "level", {"correction"}});
 }
 
 std::optional<double> PsFile::bound(int level) const {
@@ -281,7 +214,7 @@ std::optional<double> PsFile::bound(int level) const {
 std::optional<double> PsFile::surface_bound(int level) const {
     if (edited()) return std::nullopt;
     if (level == 0) return state_->header.surface_error;
-    return state_->container.chunks()[PsChunks::level(state_->refined(level))].bound;
+    return state_->container.chunks()[state_->chunks().of_level(level)].bound;
 }
 
 Result<PsValues> PsFile::values() const {
@@ -291,12 +224,8 @@ Result<PsValues> PsFile::values() const {
 }
 
 Result<PsSurface> PsFile::surface(int level) const {
-    RELIEF_CHECK(state_->check_level(level));
-    if (level < finest_level())
-        return bad_file("level " + std::to_string(level) + " needs the first " +
-                            std::to_string(bytes_for(level)) +
-                            " bytes of the file; read more, or a coarser level",
-                        "byte " + std::to_string(state_->container.visible_size()));
+    RELIEF_CHECK(check_level(state_->chunks(), level));
+    RELIEF_CHECK(check_complete(state_->container, state_->chunks(), level));
     RELIEF_TRY(ps::Space space, of_file(ps::make_space(state_->base), "mesh chunk"));
     RELIEF_TRY(
         const ps::Hierarchy hierarchy,
@@ -321,13 +250,7 @@ Result<Bytes> add_ps_moves(Bytes file, const std::vector<PsMove>& moves) {
     RELIEF_CHECK(opened.check(moves));
     std::vector<PsMove> all = opened.moves();
     all.insert(all.end(), moves.begin(), moves.end());
-    ContainerWriter writer;
-    for (std::size_t k = 0; k < container.chunks().size(); ++k) {
-        RELIEF_TRY(const Bytes chunk, container.chunk(k));
-        writer.add(k == PsChunks::kEdits ? write_ps_moves(all) : chunk,
-                   container.chunks()[k].bound);
-    }
-    return writer.finish(container.header());
+    return with_edits(container, write_ps_moves(all));
 }
 
 }  // namespace relief::codec

@@ -182,7 +182,10 @@ std::string write_ps_header(const PsHeader& header) {
         json["details"] = details_json(header.quantisation);
     for (const ValueLattice& lattice : header.lattices)
         json["values"].push_back(lattice_json(lattice));
-    return json.dump();
+    if (!header.reference.crs.empty()) json["georeference"] = {{"crs", header.reference.crs}};
+    if (!header.reference.unit.empty()) json["unit"] = header.reference.unit;
+    // Bytes that are not UTF-8 are replaced, not thrown at.
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 Result<PsHeader> read_ps_header(const std::string& text) {
@@ -196,6 +199,10 @@ Result<PsHeader> read_ps_header(const std::string& text) {
         return Error{ErrorCode::Unsupported, "holds '" + content + "', not a Powell-Sabin spline",
                      "header"};
     header.components = reader.get("components", 1);
+    header.reference.unit = reader.get<std::string>("unit", "");
+    JsonReader georeference(reader.object("georeference"));
+    header.reference.crs = georeference.get<std::string>("crs", "");
+    RELIEF_CHECK(georeference.status());
     const Json& base = reader.object("base");
     const Json& scheme = reader.object("scheme");
     const Json& goal = reader.object("goal");

@@ -1,14 +1,14 @@
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "codec/level_chunks.h"
 #include "codec/ps_base.h"
 #include "codec/ps_details.h"
 #include "codec/value_lattice.h"
-#include "relief/codec/raster_codec.h"
+#include "relief/codec/ps_codec.h"
 #include "relief/multires/ps_gradients.h"
 
 namespace relief::codec {
@@ -27,6 +27,7 @@ struct PsHeader {
     /// Of each component: that of its values; of coefficients in lossless files, else none.
     std::vector<ValueLattice> lattices;
     Goal goal;
+    PsReference reference;
     double max_error = 0;
     double rms_error = 0;
     double surface_error = 0;  ///< certified; 0: no bit of the surface differs
@@ -39,19 +40,11 @@ struct PsHeader {
 /// Unsupported for other contents.
 [[nodiscard]] Result<PsHeader> read_ps_header(const std::string& text);
 
-/// The numbers of chunks: edits, mesh, the levels from the coarsest, correction.
-struct PsChunks {
-    static constexpr std::size_t kEdits = 0;
-    static constexpr std::size_t kMesh = 1;
-    static constexpr std::size_t kFirstLevel = 2;
-    int levels = 0;
+/// The numbers of chunks: after the finest level stands the correction.
+struct PsChunks : LevelChunks {
+    explicit PsChunks(int level_count) : LevelChunks{level_count, 1} {}
 
-    /// `refined`: how often the base was refined, 0 .. levels.
-    [[nodiscard]] static std::size_t level(int refined) {
-        return kFirstLevel + static_cast<std::size_t>(refined);
-    }
-    [[nodiscard]] std::size_t correction() const { return level(levels) + 1; }
-    [[nodiscard]] std::size_t count() const { return correction() + 1; }
+    [[nodiscard]] std::size_t correction() const { return last(); }
 };
 
 }  // namespace relief::codec

@@ -127,8 +127,8 @@ Result<PsSource> prepare_values(const PsModel& model, PsValues values, CodedPsBa
     RELIEF_TRY(ps::Hierarchy hierarchy, hierarchy_on(base.mesh, 0));
     RELIEF_TRY(LevelHeights splines,
                splines_through(hierarchy.space(0), values.components, values.gradients));
-    return PsSource{std::move(base), std::move(hierarchy), std::move(values), std::move(splines),
-                    model.data};
+    return PsSource{std::move(base),    std::move(hierarchy), std::move(values),
+                    std::move(splines), model.data,           model.reference};
 }
 
 Result<PsSource> prepare_splines(const PsModel& model, const PsSplines& splines, CodedPsBase base) {
@@ -146,7 +146,8 @@ Result<PsSource> prepare_splines(const PsModel& model, const PsSplines& splines,
         RELIEF_TRY(const ps::Hierarchy other, hierarchy_on(model.base, splines.levels));
         RELIEF_TRY(heights, renumbered(hierarchy, other, *base.numbering, heights));
     }
-    return PsSource{std::move(base), std::move(hierarchy), {}, std::move(heights), model.data};
+    return PsSource{std::move(base),    std::move(hierarchy), {},
+                    std::move(heights), model.data,           model.reference};
 }
 
 }  // namespace

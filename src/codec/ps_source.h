@@ -17,6 +17,7 @@ struct PsSource {
     std::optional<PsValues> values;
     LevelHeights splines;  ///< on the finest level, also of values
     PsData data;
+    PsReference reference;
 
     [[nodiscard]] const multires::ps::Space& finest() const {
         return hierarchy.space(hierarchy.levels());

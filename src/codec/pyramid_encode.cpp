@@ -63,15 +63,7 @@ class Encoder {
     using Kind = Goal::Kind;
 
     Status check() {
-        const Goal& goal = options_.goal;
-        const auto refuse = [](std::string what) {
-            return Error{ErrorCode::InvalidArgument, std::move(what), ""};
-        };
-        if (goal.kind != Kind::Lossless && !(goal.value >= 0 && std::isfinite(goal.value)))
-            return refuse("the goal " + std::string(goal_name(goal.kind)) +
-                          " must be a number that is not negative");
-        if (goal.kind == Kind::Bytes && goal.value < 1)
-            return refuse("a file has at least one byte");
+        RELIEF_CHECK(check_goal(options_.goal));
         if (raster_.rows < 1 || raster_.cols < 1 || raster_.planes.empty())
             return Error{ErrorCode::BadInput, "the raster is empty; it needs at least one sample",
                          ""};

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "codec/goal_search.h"
 #include "codec/raster_header.h"
 #include "relief/codec/oracle.h"
 
@@ -31,10 +32,6 @@ inline constexpr double kLargestStep = 1e99;
 [[nodiscard]] Pyramid<double> improved(Pyramid<double> exact, const Target& target,
                                        const PyramidCoding& coding, Effort effort,
                                        bool fixed_scaling = false);
-
-[[nodiscard]] inline Error cancelled_error() {
-    return Error{ErrorCode::Cancelled, "cancelled", ""};
-}
 
 /// Finds the unit where `measure_of(candidate)` meets 1 from below, candidates being `make(unit)`:
 /// what a step of `unit` gives, or of the least there is. growing: the measure grows with the unit.

@@ -3,6 +3,7 @@
 #include <functional>
 #include <utility>
 
+#include "codec/goal_search.h"
 #include "codec/quad_chunks.h"
 #include "codec/quad_nodal.h"
 #include "codec/quad_values.h"
@@ -23,19 +24,10 @@ constexpr int kMostLevels = 30;
 constexpr double kLargestValue = 1e150;
 /// Further refinements of the certified bound (section 8.1).
 constexpr int kCertificate = 2;
-constexpr int kHalvings = 30;
+/// Where searches end.
+constexpr SearchLimits kHalvings = {.trials = 30, .close_enough = HUGE_VAL, .narrow = 1.0001};
 /// How much longer the numbers of the final header may be than those of a trial.
 constexpr std::uint64_t kHeaderSlack = 32;
-
-Error bad_argument(std::string message) {
-    return {ErrorCode::InvalidArgument, std::move(message), ""};
-}
-
-Status check_goal(const Goal& goal) {
-    if (goal.kind == Goal::Kind::Lossless || (goal.value >= 0 && std::isfinite(goal.value)))
-        return {};
-    return bad_argument("the goal must be a number that is not negative");
-}
 
 Status check_heights(const QuadMesh& mesh) {
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
@@ -256,58 +248,56 @@ double longest_step(const std::vector<double>& values) {
     return 4 * most;
 }
 
-/// The largest step between `good` and `bad` that is found good.
-template <class Good>
-Result<double> coarsest_step(double good, double bad, Good is_good) {
-    for (int k = 0; k < kHalvings && bad > good * 1.0001; ++k) {
-        const double step = std::sqrt(good) * std::sqrt(bad);
-        RELIEF_TRY(const bool within, is_good(step));
-        (within ? good : bad) = step;
-    }
-    return good;
-}
-
 ValueLattice steps_of(double step) {
     return {.kind = ValueLattice::Kind::Step, .step = step};
 }
 
-ValueLattice lattice_for_rms(const std::vector<double>& heights, double target) {
+bool never_cancelled(double) {
+    return false;
+}
+
+Result<ValueLattice> lattice_for_rms(const std::vector<double>& heights, double target) {
     const double longest = longest_step(heights);
     if (!(target > 0) || !(longest > target)) return ValueLattice::exact(heights);
-    const auto is_good = [&](double step) -> Result<bool> {
-        return errors_between(heights, on_lattice(heights, steps_of(step))).rms <= target;
+    const auto try_step = [&](double step) -> Result<Tried<ValueLattice>> {
+        const ValueLattice lattice = steps_of(step);
+        const double rms = errors_between(heights, on_lattice(heights, lattice)).rms;
+        return Tried<ValueLattice>{lattice, step, rms / target};
     };
-    const double step = *coarsest_step(target, longest, is_good);
+    RELIEF_TRY(const Tried<ValueLattice> finest, try_step(target));
+    RELIEF_TRY(const Tried<ValueLattice> best,
+               bisect(finest, longest, kHalvings, try_step, never_cancelled));
     const ValueLattice exact = ValueLattice::exact(heights);
     const bool finer_than_data =
-        exact.kind == ValueLattice::Kind::Decimal && step <= exact.value(1);
-    if (finer_than_data ||
-        errors_between(heights, on_lattice(heights, steps_of(step))).rms > target)
-        return exact;
-    return steps_of(step);
+        exact.kind == ValueLattice::Kind::Decimal && best.unit <= exact.value(1);
+    return finer_than_data || best.share > 1 ? exact : best.candidate;
+}
+
+double share_of_bytes(std::uint64_t size, const Goal& goal) {
+    return static_cast<double>(size + kHeaderSlack) / goal.value;
 }
 
 Result<ValueLattice> lattice_for_bytes(const Source& source, const Goal& goal) {
     const ValueLattice exact = ValueLattice::exact(source.heights);
     RELIEF_TRY(const std::uint64_t lossless, size_on(source, goal, exact));
-    const auto fits = [&](std::uint64_t size) {
-        return static_cast<double>(size + kHeaderSlack) <= goal.value;
-    };
-    if (fits(lossless)) return exact;
+    if (share_of_bytes(lossless, goal) <= 1) return exact;
     const double longest = longest_step(source.heights);
-    const ValueLattice coarsest = steps_of(longest > 0 ? longest : 1);
-    RELIEF_TRY(const std::uint64_t smallest, size_on(source, goal, coarsest));
-    if (!fits(smallest))
+    // By the number of steps in a unit.
+    const auto try_steps = [&](double steps) -> Result<Tried<ValueLattice>> {
+        const ValueLattice lattice = steps_of(1 / steps);
+        RELIEF_TRY(const std::uint64_t size, size_on(source, goal, lattice));
+        return Tried<ValueLattice>{lattice, steps, share_of_bytes(size, goal)};
+    };
+    const double fewest = 1 / (longest > 0 ? longest : 1);
+    RELIEF_TRY(const Tried<ValueLattice> coarsest, try_steps(fewest));
+    if (coarsest.share > 1) {
+        RELIEF_TRY(const std::uint64_t smallest, size_on(source, goal, coarsest.candidate));
         return bad_argument("the mesh alone needs about " +
                             std::to_string(smallest + kHeaderSlack) + " bytes; allow more");
-    // Of 1 / step, so that the good end is the coarse one.
-    const auto is_good = [&](double steps) -> Result<bool> {
-        RELIEF_TRY(const std::uint64_t size, size_on(source, goal, steps_of(1 / steps)));
-        return fits(size);
-    };
-    RELIEF_TRY(const double steps,
-               coarsest_step(1 / coarsest.step, 0x1p48 / coarsest.step, is_good));
-    return steps_of(1 / steps);
+    }
+    RELIEF_TRY(const Tried<ValueLattice> best,
+               bisect(coarsest, 0x1p48 * fewest, kHalvings, try_steps, never_cancelled));
+    return best.candidate;
 }
 
 Result<Coded> code(const Source& source, const Goal& goal) {
@@ -316,8 +306,10 @@ Result<Coded> code(const Source& source, const Goal& goal) {
             return coded_coefficients(source, goal.value);
         case Goal::Kind::MaxError:
             return coded_values(source, lattice_within(source.heights, goal.value));
-        case Goal::Kind::RmsError:
-            return coded_values(source, lattice_for_rms(source.heights, goal.value));
+        case Goal::Kind::RmsError: {
+            RELIEF_TRY(const ValueLattice lattice, lattice_for_rms(source.heights, goal.value));
+            return coded_values(source, lattice);
+        }
         case Goal::Kind::Bytes: {
             RELIEF_TRY(const ValueLattice lattice, lattice_for_bytes(source, goal));
             return coded_values(source, lattice);

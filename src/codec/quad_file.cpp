@@ -16,23 +16,6 @@ using multires::fvs_mesh::Hierarchy;
 using multires::fvs_mesh::NodalData;
 namespace fvs_mesh = multires::fvs_mesh;
 
-namespace {
-
-constexpr double kLargestRise = 1e150;
-
-Error bad_file(std::string what, std::string where) {
-    return {ErrorCode::BadFile, std::move(what), std::move(where)};
-}
-
-/// What is wrong with data that came from a file is wrong with the file.
-template <class T>
-Result<T> of_file(Result<T> result, const char* where) {
-    if (result.ok()) return result;
-    return bad_file(result.error().text() + "; the file is damaged", where);
-}
-
-}  // namespace
-
 struct QuadFile::State {
     ContainerReader container;
     QuadHeader header;
@@ -40,12 +23,10 @@ struct QuadFile::State {
     mesh::Quadrangulation base_mesh;
     std::vector<QuadMove> moves;
 
-    [[nodiscard]] QuadChunks chunks() const { return {header.levels}; }
-    /// How often the base is refined at a level.
-    [[nodiscard]] int refined(int level) const { return header.levels - level; }
+    [[nodiscard]] QuadChunks chunks() const { return QuadChunks(header.levels); }
+    [[nodiscard]] int refined(int level) const { return chunks().refined(level); }
 
     [[nodiscard]] Status check_header() const;
-    [[nodiscard]] Status check_level(int level) const;
     [[nodiscard]] Status check_moves(const std::vector<QuadMove>& some) const;
     [[nodiscard]] Result<NodalData> decoded(const Hierarchy& hierarchy) const;
     [[nodiscard]] Result<Numbering> numbering(const mesh::Quadrangulation& finest) const;
@@ -53,40 +34,16 @@ struct QuadFile::State {
 };
 
 Status QuadFile::State::check_header() const {
-    if (container.chunks().size() != chunks().count())
-        return bad_file("the header calls for " + std::to_string(chunks().count()) +
-                            " chunks, the file has " + std::to_string(container.chunks().size()),
-                        "directory");
-    if (is_plausible(header.vertices, container.complete_size()) &&
-        is_plausible(header.quads, container.complete_size()))
-        return {};
-    return bad_file("claims a mesh of " + std::to_string(header.vertices) +
-                        " vertices, for which the file is too small",
-                    "header");
-}
-
-Status QuadFile::State::check_level(int level) const {
-    if (level < 0 || level > header.levels)
-        return Error{ErrorCode::InvalidArgument,
-                     "there is no level " + std::to_string(level) + "; the file has levels 0 to " +
-                         std::to_string(header.levels),
-                     ""};
-    return {};
+    RELIEF_CHECK(check_count(container, chunks()));
+    RELIEF_CHECK(check_plausible(container, header.vertices, "vertices"));
+    return check_plausible(container, header.quads, "quads");
 }
 
 Status QuadFile::State::check_moves(const std::vector<QuadMove>& some) const {
     for (const QuadMove& move : some) {
-        RELIEF_CHECK(check_level(move.level));
+        RELIEF_CHECK(check_level(chunks(), move.level));
         const std::uint64_t vertices = level_counts(base_mesh, refined(move.level))->vertices;
-        if (move.vertex >= vertices)
-            return Error{ErrorCode::InvalidArgument,
-                         "vertex " + std::to_string(move.vertex) + " does not exist at level " +
-                             std::to_string(move.level) + "; it has vertices 0 to " +
-                             std::to_string(vertices - 1),
-                         ""};
-        if (!(std::abs(move.rise) <= kLargestRise))
-            return Error{ErrorCode::InvalidArgument, "a move must be a number of at most 1e150",
-                         ""};
+        RELIEF_CHECK(check_move(move.level, move.vertex, vertices, std::array{move.rise}));
     }
     return {};
 }
@@ -98,7 +55,7 @@ Result<NodalData> QuadFile::State::decoded(const Hierarchy& hierarchy) const {
     QuadNodal nodal(hierarchy);
     Decomposition coefficients;
     for (int m = 0; m <= hierarchy.levels(); ++m) {
-        RELIEF_TRY(const Bytes chunk, container.chunk(QuadChunks::level(m)));
+        RELIEF_TRY(const Bytes chunk, container.chunk(QuadChunks::of_refined(m)));
         RELIEF_CHECK(values ? values->decode_next(chunk) : nodal.decode_next(chunk, coefficients));
     }
     if (values)
@@ -152,23 +109,17 @@ Result<QuadFile> QuadFile::open(std::shared_ptr<const ByteSource> source, std::u
     RELIEF_TRY(state->header, read_quad_header(state->container.header()));
     const QuadHeader& header = state->header;
     RELIEF_CHECK(state->check_header());
-    if (!state->container.complete(QuadChunks::kFirstLevel))
-        return bad_file("not even the coarsest level is there; read more bytes",
-                        "byte " + std::to_string(state->container.visible_size()));
-    RELIEF_TRY(const Bytes mesh, state->container.chunk(QuadChunks::kMesh));
+    RELIEF_CHECK(check_coarsest(state->container, QuadChunks::kFirstLevel));
+    RELIEF_TRY(const Bytes mesh, state->container.chunk(QuadChunks::kBase));
     RELIEF_TRY(state->base, read_mesh(mesh, header.vertices, header.quads, digits_of(header)));
     RELIEF_TRY(state->base_mesh,
                of_file(mesh::build(state->base.vertices, state->base.quads), "mesh chunk"));
     const auto finest = of_file(level_counts(state->base_mesh, header.levels), "header");
     if (!finest.ok()) return finest.error();
-    if (!is_plausible(finest->vertices, state->container.complete_size()))
-        return bad_file("claims levels of " + std::to_string(finest->vertices) +
-                            " vertices, for which the file is too small",
-                        "header");
-    RELIEF_TRY(const Bytes edits, state->container.chunk(QuadChunks::kEdits));
+    RELIEF_CHECK(check_plausible(state->container, finest->vertices, "vertices"));
+    RELIEF_TRY(const Bytes edits, state->container.chunk(kEditsChunk));
     RELIEF_TRY(state->moves, read_quad_moves(edits));
-    if (!state->check_moves(state->moves).ok())
-        return bad_file("the edits are damaged", "edits chunk");
+    if (!state->check_moves(state->moves).ok()) return damaged_edits();
     return QuadFile(std::move(state));
 }
 
@@ -230,32 +181,14 @@ Status QuadFile::check(const std::vector<QuadMove>& more) const {
 }
 
 int QuadFile::finest_level() const {
-    const ContainerReader& container = state_->container;
-    int level = container.complete(state_->chunks().numbering()) ? 0 : 1;
-    while (level < levels() && !container.complete(QuadChunks::level(state_->refined(level))))
-        ++level;
-    return level;
+    return codec::finest_level(state_->container, state_->chunks());
 }
-
 std::uint64_t QuadFile::bytes_for(int level) const {
-    const std::size_t last =
-        level == 0 ? state_->chunks().numbering() : QuadChunks::level(state_->refined(level));
-    const ChunkInfo& chunk = state_->container.chunks()[last];
-    return chunk.offset + chunk.length;
+    return codec::bytes_for(state_->container, state_->chunks(), level);
 }
-
 std::vector<ChunkSummary> QuadFile::chunks() const {
-    const auto& directory = state_->container.chunks();
-    std::vector<ChunkSummary> list;
-    const auto add = [&](const char* kind, int level, std::size_t k) {
-        list.push_back({kind, level, 1, directory[k].length, directory[k].bound});
-    };
-    add("edits", 0, QuadChunks::kEdits);
-    add("mesh", levels(), QuadChunks::kMesh);
-    for (int level = levels(); level >= 0; --level)
-        add("level", level, QuadChunks::level(state_->refined(level)));
-    add("numbering", 0, state_->chunks().numbering());
-    return list;
+    return summaries(state_->container, state_->chunks(),
+                     {"mesh", "level", "level", {"numbering"}});
 }
 
 std::optional<double> QuadFile::bound(int level) const {
@@ -266,11 +199,11 @@ std::optional<double> QuadFile::bound(int level) const {
 std::optional<double> QuadFile::surface_bound(int level) const {
     if (edited()) return std::nullopt;
     if (level == 0) return state_->header.surface_error;
-    return state_->container.chunks()[QuadChunks::level(state_->refined(level))].bound;
+    return state_->container.chunks()[state_->chunks().of_level(level)].bound;
 }
 
 Result<QuadSurface> QuadFile::surface(int level) const {
-    RELIEF_CHECK(state_->check_level(level));
+    RELIEF_CHECK(check_level(state_->chunks(), level));
     RELIEF_TRY(Hierarchy hierarchy, Hierarchy::create(state_->base_mesh, state_->refined(level)));
     RELIEF_TRY(NodalData data, state_->decoded(hierarchy));
     if (edited()) {
@@ -288,12 +221,8 @@ Result<QuadSurface> QuadFile::surface(int level) const {
 }
 
 Result<QuadMesh> QuadFile::decode(int level) const {
-    RELIEF_CHECK(state_->check_level(level));
-    if (level < finest_level())
-        return bad_file("level " + std::to_string(level) + " needs the first " +
-                            std::to_string(bytes_for(level)) +
-                            " bytes of the file; read more, or a coarser level",
-                        "byte " + std::to_string(state_->container.visible_size()));
+    RELIEF_CHECK(check_level(state_->chunks(), level));
+    RELIEF_CHECK(check_complete(state_->container, state_->chunks(), level));
     RELIEF_TRY(const QuadSurface surface, this->surface(level));
     const mesh::Quadrangulation& mesh = surface.hierarchy.mesh(surface.level());
     Numbering numbering;
@@ -324,13 +253,7 @@ Result<Bytes> add_quad_moves(Bytes file, const std::vector<QuadMove>& moves) {
     RELIEF_CHECK(opened.check(moves));
     std::vector<QuadMove> all = opened.moves();
     all.insert(all.end(), moves.begin(), moves.end());
-    ContainerWriter writer;
-    for (std::size_t k = 0; k < container.chunks().size(); ++k) {
-        RELIEF_TRY(const Bytes chunk, container.chunk(k));
-        writer.add(k == QuadChunks::kEdits ? write_quad_moves(all) : chunk,
-                   container.chunks()[k].bound);
-    }
-    return writer.finish(container.header());
+    return with_edits(container, write_quad_moves(all));
 }
 
 }  // namespace relief::codec

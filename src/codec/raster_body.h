@@ -4,15 +4,13 @@
 #include <string>
 #include <vector>
 
+#include "codec/edits.h"
 #include "codec/raster_header.h"
 #include "relief/codec/container.h"
 #include "relief/codec/raster_codec.h"
 
 /// How the samples of a raster file are kept: what RasterFile asks, for each kind of file once.
 namespace relief::codec {
-
-/// The chunk of edits; all others are the body's.
-inline constexpr std::size_t kEditsChunk = 0;
 
 /// Samples of a window, before moves.
 struct BodySamples {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "codec/goal_search.h"
 #include "codec/lattice_encode.h"
 #include "codec/lattice_margin.h"
 #include "codec/pyramid_encode.h"
@@ -29,13 +30,7 @@ constexpr std::int64_t kOpenLoopSamples = std::int64_t{1} << 23;
 constexpr std::int64_t kWholeSamples = std::int64_t{1} << 20;
 
 Status check(const RasterSource& source, const Goal& goal) {
-    const auto refuse = [](std::string what) {
-        return Error{ErrorCode::InvalidArgument, std::move(what), ""};
-    };
-    if (goal.kind != Kind::Lossless && !(goal.value >= 0 && std::isfinite(goal.value)))
-        return refuse("the goal " + std::string(goal_name(goal.kind)) +
-                      " must be a number that is not negative");
-    if (goal.kind == Kind::Bytes && goal.value < 1) return refuse("a file has at least one byte");
+    RELIEF_CHECK(check_goal(goal));
     const Raster& about = source.description();
     if (about.rows < 1 || about.cols < 1 || source.components() < 1)
         return Error{ErrorCode::BadInput, "the raster is empty; it needs at least one sample", ""};

@@ -361,18 +361,7 @@ namespace {
 Status write_with(const std::shared_ptr<const ByteSource>& source, const std::vector<Move>& moves,
                   ByteSink& sink) {
     RELIEF_TRY(const ContainerReader reader, ContainerReader::open(source));
-    std::vector<ChunkInfo> chunks = reader.chunks();
-    const Bytes edits = moves.empty() ? Bytes() : write_moves(moves);
-    chunks[kEditsChunk].length = edits.size();
-    chunks[kEditsChunk].checksum = chunk_checksum(edits);
-    RELIEF_TRY(const Bytes head, container_head(reader.header(), chunks));
-    RELIEF_CHECK(sink.write(head));
-    RELIEF_CHECK(sink.write(edits));
-    for (std::size_t k = kEditsChunk + 1; k < chunks.size(); ++k) {
-        RELIEF_TRY(const Bytes chunk, reader.chunk(k));
-        RELIEF_CHECK(sink.write(chunk));
-    }
-    return {};
+    return write_with_edits(reader, moves.empty() ? Bytes() : write_moves(moves), sink);
 }
 
 }  // namespace

@@ -1,11 +1,9 @@
-#include <ogr_srs_api.h>
-
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <numbers>
 
 #include "io/gdal_scope.h"
+#include "io/spatial_reference.h"
 
 namespace relief::io {
 
@@ -16,10 +14,9 @@ struct Crs {
     double unit = 1;  ///< metres, or radians when geographic
 };
 
-Crs parse_crs(const std::string& wkt) {
-    const auto destroy = [](void* crs) { OSRDestroySpatialReference(crs); };
-    const std::unique_ptr<void, decltype(destroy)> crs(OSRNewSpatialReference(nullptr), destroy);
-    if (wkt.empty() || OSRSetFromUserInput(crs.get(), wkt.c_str()) != OGRERR_NONE) return {};
+Crs parse_crs(const std::string& text) {
+    const detail::SpatialReference crs = detail::reference_of(text);
+    if (!crs) return {};
     if (OSRIsGeographic(crs.get())) return {true, OSRGetAngularUnits(crs.get(), nullptr)};
     return {false, OSRGetLinearUnits(crs.get(), nullptr)};
 }

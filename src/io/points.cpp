@@ -28,18 +28,22 @@ constexpr std::size_t kMostPoints = 0x7FFFFFFF;
 constexpr std::size_t kX = 0;
 constexpr std::size_t kY = 1;
 constexpr std::size_t kWeight = 2;
-constexpr std::size_t kValue = 3;
-constexpr std::size_t kRoles = 4;
+constexpr std::size_t kValue = 3;  ///< of the first component; those of the others follow
+constexpr std::size_t kKinds = 4;
 
-constexpr std::array<std::string_view, kRoles> kRoleNames = {"x", "y", "weight", "value"};
+constexpr std::array<std::string_view, kKinds> kKindNames = {"x", "y", "weight", "value"};
 
 /// Names of columns, the most telling first.
-constexpr std::array<std::array<std::string_view, 8>, kRoles> kKnownNames = {{
+constexpr std::array<std::array<std::string_view, 8>, kKinds> kKnownNames = {{
     {"x", "lon", "long", "longitude", "easting", "east"},
     {"y", "lat", "latitude", "northing", "north"},
     {"weight", "w"},
     {"z", "elevation", "elev", "height", "altitude", "depth", "value"},
 }};
+
+std::size_t kind_of(std::size_t role) {
+    return std::min(role, kValue);
+}
 
 std::string_view trimmed(std::string_view word) {
     const std::size_t first = word.find_first_not_of(Words::kBlanks);
@@ -95,11 +99,16 @@ std::optional<std::size_t> chosen_number(const std::string& choice) {
 class PointReader {
   public:
     PointReader(const std::string& name, const PointColumns& columns)
-        : name_(name),
-          choices_{columns.x, columns.y, columns.weight, columns.value},
-          needed_{true, true, columns.values_needed && !columns.weight.empty(),
-                  columns.values_needed},
-          values_needed_(columns.values_needed) {}
+        : name_(name), choices_{columns.x, columns.y} {
+        if (columns.values_needed) {
+            choices_.push_back(columns.weight);
+            choices_.insert(choices_.end(), columns.values.begin(), columns.values.end());
+            if (columns.values.empty()) choices_.emplace_back();
+            points_.values.resize(choices_.size() - kValue);
+        }
+        column_.resize(choices_.size());
+        numbers_.resize(choices_.size());
+    }
 
     /// The next line of the file, without its end.
     Status take(std::string_view line) {
@@ -137,7 +146,7 @@ class PointReader {
         separator_ = Fields::separator_of(line);
         Fields::split(line, separator_, kLongestLine, fields_);
         const bool names = !holds_numbers();
-        for (std::size_t role = 0; role < kRoles; ++role) {
+        for (std::size_t role = 0; role < choices_.size(); ++role) {
             RELIEF_TRY(column_[role],
                        names ? named_column(role) : Result<Column>(chosen_column(role)));
             if (column_[role]) field_count_ = std::max(field_count_, *column_[role] + 1);
@@ -145,10 +154,15 @@ class PointReader {
         return names;
     }
 
+    /// Only weights may be missing.
+    [[nodiscard]] bool needed(std::size_t role) const {
+        return role != kWeight || !choices_[role].empty();
+    }
+
     /// Whether all needed columns of the first line are numbers.
     [[nodiscard]] bool holds_numbers() const {
-        for (std::size_t role = 0; role < kRoles; ++role) {
-            if (!needed_[role]) continue;
+        for (std::size_t role = 0; role < choices_.size(); ++role) {
+            if (!needed(role)) continue;
             const Column column = chosen_column(role);
             double number = 0;
             if (!column) return false;
@@ -160,13 +174,12 @@ class PointReader {
 
     /// Of a file that does not name its columns; none if one is chosen by name.
     [[nodiscard]] Column chosen_column(std::size_t role) const {
-        if (!needed_[role]) return std::nullopt;
-        if (choices_[role].empty()) return role == kValue ? 2 : role;
+        if (!needed(role)) return std::nullopt;
+        if (choices_[role].empty()) return role < kWeight ? role : 2;
         return chosen_number(choices_[role]);
     }
 
     Result<Column> named_column(std::size_t role) const {
-        if (role >= kWeight && !values_needed_) return Column();
         if (const auto number = chosen_number(choices_[role])) return Column(number);
         if (!choices_[role].empty()) {
             if (const Column found = find(lower_case(choices_[role]))) return found;
@@ -174,13 +187,14 @@ class PointReader {
                                      detail::quoted(choices_[role]), names_of_columns()),
                          number_);
         }
-        for (const std::string_view known : kKnownNames[role])
+        for (const std::string_view known : kKnownNames[kind_of(role)])
             if (const Column found = known.empty() ? Column() : find(known)) return found;
         if (role == kWeight) return Column();
-        if (role == kValue) return first_other_column();
-        return error(fmt::format("no column is called {} or the like; it has {}: say which is {}",
-                                 kRoleNames[role], names_of_columns(), kRoleNames[role]),
-                     number_);
+        if (role >= kValue) return first_other_column();
+        return error(
+            fmt::format("no column is called {} or the like; it has {}: say which is {}",
+                        kKindNames[kind_of(role)], names_of_columns(), kKindNames[kind_of(role)]),
+            number_);
     }
 
     [[nodiscard]] Column find(std::string_view name) const {
@@ -208,24 +222,26 @@ class PointReader {
 
     Status take_point(std::string_view line) {
         Fields::split(line, separator_, field_count_, fields_);
-        std::array<double, kRoles> numbers{};
-        for (std::size_t role = 0; role < kRoles; ++role) {
+        for (std::size_t role = 0; role < choices_.size(); ++role) {
             if (!column_[role]) continue;
-            RELIEF_CHECK(read_field(role, numbers[role]));
+            RELIEF_CHECK(read_field(role, numbers_[role]));
         }
         if (points_.places.size() == kMostPoints)
             return error("too_many_points: at most 2^31 - 1 are read; split the file", number_);
-        points_.places.push_back({numbers[kX], numbers[kY]});
-        if (column_[kValue]) points_.values.push_back(numbers[kValue]);
-        if (column_[kWeight]) points_.weights.push_back(numbers[kWeight]);
+        points_.places.push_back({numbers_[kX], numbers_[kY]});
+        for (std::size_t m = 0; m < points_.values.size(); ++m)
+            points_.values[m].push_back(numbers_[kValue + m]);
+        if (column_.size() > kWeight && column_[kWeight])
+            points_.weights.push_back(numbers_[kWeight]);
         return {};
     }
 
     Status read_field(std::size_t role, double& number) const {
         const std::size_t column = *column_[role];
         const auto refuse = [&](std::string_view what) {
-            return error(fmt::format("{} (column {}) {}", kRoleNames[role], column + 1, what),
-                         number_);
+            return error(
+                fmt::format("{} (column {}) {}", kKindNames[kind_of(role)], column + 1, what),
+                number_);
         };
         if (column >= fields_.size() || fields_[column].empty())
             return refuse("is missing; complete or remove the line");
@@ -240,12 +256,11 @@ class PointReader {
     }
 
     const std::string& name_;
-    std::array<std::string, kRoles> choices_;
-    std::array<bool, kRoles> needed_;
-    bool values_needed_;
-    bool known_ = false;  ///< the columns
+    std::vector<std::string> choices_;  ///< of each role
+    bool known_ = false;                ///< the columns
     char separator_ = ' ';
-    std::array<Column, kRoles> column_;
+    std::vector<Column> column_;   ///< of each role
+    std::vector<double> numbers_;  ///< of each role, in the last line
     std::size_t field_count_ = 0;
     std::vector<std::string_view> fields_;
     std::int64_t number_ = 0;

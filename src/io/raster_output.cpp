@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "io/spatial_reference.h"
 #include "relief/core/parallel.h"
 
 namespace relief::io::detail {
@@ -154,7 +155,10 @@ bool describe(GDALDatasetH dataset, const Raster& description, std::size_t plane
     const GeoReference& geo = description.geo;
     std::array<double, 6> transform = geo.transform.value_or(std::array<double, 6>{});
     if (geo.transform && GDALSetGeoTransform(dataset, transform.data()) != CE_None) return false;
-    if (!geo.crs.empty() && GDALSetProjection(dataset, geo.crs.c_str()) != CE_None) return false;
+    if (!geo.crs.empty()) {
+        const SpatialReference crs = reference_of(geo.crs);
+        if (!crs || GDALSetSpatialRef(dataset, crs.get()) != CE_None) return false;
+    }
     for (const auto& [name, value] : description.metadata)
         GDALSetMetadataItem(dataset, name.c_str(), value.c_str(), nullptr);
     if (geo.pixel_is_point) GDALSetMetadataItem(dataset, "AREA_OR_POINT", "Point", nullptr);

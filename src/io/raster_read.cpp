@@ -1,7 +1,6 @@
 #include <cpl_conv.h>
 #include <cpl_string.h>
 #include <fmt/format.h>
-#include <ogr_srs_api.h>
 
 #include <algorithm>
 #include <atomic>
@@ -12,6 +11,7 @@
 #include <mutex>
 
 #include "io/gdal_scope.h"
+#include "io/spatial_reference.h"
 #include "relief/core/parallel.h"
 
 namespace relief::io {
@@ -131,34 +131,11 @@ Result<std::vector<Band>> select_bands(GDALDatasetH dataset, const std::string& 
     return bands;
 }
 
-std::string wkt_of(OGRSpatialReferenceH crs) {
-    char* text = nullptr;
-    const char* const format[] = {"FORMAT=WKT2_2019", nullptr};
-    std::string wkt;
-    if (OSRExportToWktEx(crs, &text, format) == OGRERR_NONE) wkt = text;
-    CPLFree(text);
-    return wkt;
-}
-
-/// Authority and code of a reference system if they stand for the same WKT, else the WKT.
-std::string crs_of(OGRSpatialReferenceH crs) {
-    std::string wkt = wkt_of(crs);
-    const char* authority = OSRGetAuthorityName(crs, nullptr);
-    const char* code = OSRGetAuthorityCode(crs, nullptr);
-    if (!authority || !code) return wkt;
-    std::string name = std::string(authority) + ":" + code;
-    const auto destroy = [](void* known) { OSRDestroySpatialReference(known); };
-    const std::unique_ptr<void, decltype(destroy)> known(OSRNewSpatialReference(nullptr), destroy);
-    const bool same =
-        OSRSetFromUserInput(known.get(), name.c_str()) == OGRERR_NONE && wkt_of(known.get()) == wkt;
-    return same ? name : wkt;
-}
-
 GeoReference read_geo(GDALDatasetH dataset) {
     GeoReference geo;
     std::array<double, 6> transform{};
     if (GDALGetGeoTransform(dataset, transform.data()) == CE_None) geo.transform = transform;
-    if (OGRSpatialReferenceH crs = GDALGetSpatialRef(dataset)) geo.crs = crs_of(crs);
+    if (OGRSpatialReferenceH crs = GDALGetSpatialRef(dataset)) geo.crs = detail::crs_of(crs);
     const char* meaning = GDALGetMetadataItem(dataset, "AREA_OR_POINT", nullptr);
     geo.pixel_is_point = meaning && EQUAL(meaning, "Point");
     return geo;

@@ -103,6 +103,7 @@ Recognition::Recognition(const Topology& fine, Split split, bool quads_only)
     if (fine.sides != sides) {
         parts_ = mesh::components(fine);
         ways_.resize(parts_.count);
+        uneven_.resize(parts_.count);
         reasons_.assign(parts_.count, sides == 4 ? "not_quads: the mesh has other faces than quads"
                                                  : "not_triangles: the mesh has other faces than "
                                                    "triangles");
@@ -112,6 +113,7 @@ Recognition::Recognition(const Topology& fine, Split split, bool quads_only)
     parts_ = std::move(spread.parts);
     labels_ = std::move(spread.labels);
     ways_.resize(parts_.count);
+    uneven_.resize(parts_.count);
     reasons_.resize(parts_.count);
     paired_.assign(parts_.count, false);
     for (std::size_t c = 0; c < ways_.size(); ++c)
@@ -220,7 +222,7 @@ std::vector<std::uint8_t> Recognition::bad_vertices() const {
     return result;
 }
 
-/// No face repeats a corner, and no two share an edge twice.
+/// No face repeats a corner, and no two share an edge twice. Notes which are uneven.
 void Recognition::check_coarse_edges(std::size_t way) {
     std::vector<std::size_t> choice(ways_.size(), kMostWays);
     bool any = false;
@@ -241,9 +243,15 @@ void Recognition::check_coarse_edges(std::size_t way) {
     mesh.vertex_count = fine_.vertex_count;
     set_faces(coarse.faces.offsets, coarse.faces.corners, mesh);
     std::vector<Index> seen(fine_.vertex_count, kNone);
-    for (Index f = 0; f < mesh.face_count; ++f)
+    const auto sides = static_cast<Index>(sides_after(split_));
+    for (Index f = 0; f < mesh.face_count; ++f) {
+        if (mesh.size_of(f) != sides)
+            uneven_[parts_.of_face[fine_.face_of(coarse.fine[mesh.first_of(f)])]] |=
+                static_cast<std::uint8_t>(1U << way);
         for (Index h = mesh.first_of(f); h < mesh.first_of(f + 1); ++h)
             if (std::exchange(seen[mesh.origin[h]], f) == f || mesh.size_of(f) < 3) refuse(h);
+    }
+    if (link_corners(mesh)) return;
     for (const Index h : find_twins(mesh)) refuse(h);
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "mesh/twins.h"
+#include "relief/mesh/near_order.h"
 
 namespace relief::mesh {
 
@@ -91,16 +92,7 @@ struct Fan {
     Index faces = 0;
 };
 
-template <Index Sides>
-Index rotated_in(const Topology& mesh, Index h) {
-    if constexpr (Sides == 0)
-        return rotated(mesh, h);
-    else
-        return mesh.twin[h % Sides == 0 ? h + Sides - 1 : h - 1];
-}
-
 /// The first vertex whose faces are none, or form more than one fan; kNone: all are good.
-template <Index Sides>
 Index first_bad_fan(const Topology& mesh, const Buffer<Fan>& fans) {
     for (Index v = 0; v < mesh.vertex_count; ++v) {
         Index found = 0;
@@ -109,15 +101,18 @@ Index first_bad_fan(const Topology& mesh, const Buffer<Fan>& fans) {
         Index h = first;
         do {
             ++found;
-            h = rotated_in<Sides>(mesh, h);
+            h = rotated(mesh, h);
         } while (h != kNone && h != first);
         if (found != fans[v].faces) return v;
     }
     return kNone;
 }
 
-/// Every vertex has faces, and these form one fan.
-Status check_vertices(const Topology& mesh) {
+/// What is wrong with a mesh that has edges of more than two faces, or vertices whose faces form
+/// no fan.
+Status explain(Topology& mesh) {
+    const std::vector<Index> bad = find_twins(mesh);
+    if (!bad.empty()) return bad_edge(mesh, *std::min_element(bad.begin(), bad.end()));
     Buffer<Fan> fans(mesh.vertex_count);
     std::fill_n(fans.data(), fans.size(), Fan());
     for (Index h = 0; h < mesh.half_edge_count(); ++h) {
@@ -125,9 +120,7 @@ Status check_vertices(const Topology& mesh) {
         ++fan.faces;
         if (fan.first == kNone || mesh.on_boundary(h)) fan.first = h;
     }
-    const Index v = mesh.sides == 3   ? first_bad_fan<3>(mesh, fans)
-                    : mesh.sides == 4 ? first_bad_fan<4>(mesh, fans)
-                                      : first_bad_fan<0>(mesh, fans);
+    const Index v = first_bad_fan(mesh, fans);
     if (v == kNone) return {};
     if (fans[v].faces == 0)
         return bad_mesh("unused_vertex: no face names it; remove it", "vertex", v);
@@ -168,9 +161,7 @@ Result<Topology> build(std::span<const std::int64_t> offsets, std::span<const In
     Topology mesh;
     mesh.vertex_count = vertex_count;
     set_faces(offsets, corners, mesh);
-    const std::vector<Index> bad = find_twins(mesh);
-    if (!bad.empty()) return bad_edge(mesh, *std::min_element(bad.begin(), bad.end()));
-    RELIEF_CHECK(check_vertices(mesh));
+    if (link_corners(mesh) != vertex_count) RELIEF_CHECK(explain(mesh));
     number_edges(mesh);
     return mesh;
 }

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "mesh/twins.h"
+#include "relief/mesh/near_order.h"
 #include "relief/mesh/recognise.h"
 
 /// Meshes whose numbers are those of `refine`: what was split stands in them, to be read off.

@@ -12,6 +12,20 @@ namespace {
 using mesh::Index;
 using Points = std::vector<Vec3<double>>;
 
+/// The finer mesh without what its own split would need.
+Result<mesh::Topology> refined_faces(const mesh::Topology& coarse, mesh::Split split) {
+    RELIEF_CHECK(mesh::check_split(coarse, split));
+    const mesh::MeshCounts counts = mesh::refined(mesh::counts_of(coarse), split);
+    mesh::Topology fine;
+    fine.vertex_count = static_cast<Index>(counts.vertices);
+    fine.edge_count = static_cast<Index>(counts.edges);
+    fine.face_count = static_cast<Index>(counts.faces);
+    fine.sides = mesh::sides_after(split);
+    fine.origin = Buffer<Index>(counts.half_edges);
+    mesh::split_faces(coarse, split, {fine.origin.data(), fine.origin.size()});
+    return fine;
+}
+
 }  // namespace
 
 Status MeshSpec::check_steps(const mesh::Topology& base, int steps) const {
@@ -35,7 +49,9 @@ Result<MeshHierarchy> MeshHierarchy::create(mesh::Topology base, MeshTags tags,
         const mesh::Split split = spec.split(step);
         RELIEF_TRY(StepRules rules,
                    step_rules(coarse, hierarchy.tags(step), split, {.alpha = spec.alpha}));
-        RELIEF_TRY(mesh::Topology fine, mesh::refine(coarse, split));
+        const bool faces_alone = step + 1 == steps && hierarchy.tags(step).sharp.empty();
+        RELIEF_TRY(mesh::Topology fine,
+                   faces_alone ? refined_faces(coarse, split) : mesh::refine(coarse, split));
         MeshTags finer = refined(hierarchy.tags(step), coarse, fine, split);
         hierarchy.rules_.push_back(std::make_unique<StepRules>(std::move(rules)));
         hierarchy.levels_.push_back(std::make_unique<mesh::Topology>(std::move(fine)));

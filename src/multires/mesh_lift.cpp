@@ -156,21 +156,31 @@ MeshLift::~MeshLift() = default;
 void MeshLift::apply(const Vec3<double>* details, const Vec3<double>* residuals,
                      Vec3<double>* out) const {
     const MeshStep<double>& step = state_->step;
-    std::fill_n(out, step.coarse_count(), Vec3<double>());
-    if (state_->options.kind == LiftKind::None) return;
-    // What the plain reversal leaves everywhere: e = Q d.
-    MeshNormal::Points old(step.coarse_count());
-    step.gather(details, old.data());
+    if (state_->options.kind == LiftKind::None) {
+        std::fill_n(out, step.coarse_count(), Vec3<double>());
+        return;
+    }
+    // What the plain reversal leaves everywhere: e = Q d. Where no curves are fitted first, `out`
+    // has room for it.
+    const bool has_curves = !state_->curves.empty();
+    MeshNormal::Points apart(has_curves ? step.coarse_count() : 0);
+    Vec3<double>* old = has_curves ? apart.data() : out;
+    step.gather(details, old);
     const auto& stiff = step.rules().stiff.vertices;
     for (std::size_t k = 0; k < stiff.size(); ++k) old[stiff[k]] += residuals[k];
     Points beside;
-    if (!state_->curves.empty()) {
+    if (has_curves) {
+        std::fill_n(out, step.coarse_count(), Vec3<double>());
         beside.assign(details, details + step.new_count());
-        state_->fit_curves(old.data(), beside, out);
+        state_->fit_curves(old, beside, out);
     }
-    const Vec3<double>* fresh = beside.empty() ? details : beside.data();
-    if (state_->options.kind == LiftKind::Ring) return state_->ring(old.data(), fresh, out);
-    state_->fit_surface(old.data(), fresh, out);
+    const Vec3<double>* fresh = has_curves ? beside.data() : details;
+    if (state_->options.kind == LiftKind::Ring)
+        state_->ring(old, fresh, out);
+    else
+        state_->fit_surface(old, fresh, out);
+    for (Index v = 0; !has_curves && v < step.coarse_count(); ++v)
+        if (!state_->is_inner(v)) out[v] = {};
 }
 
 }  // namespace relief::multires

@@ -125,11 +125,11 @@ void MeshNormal::list_rows() {
         if (rules_.split == Split::Loop) {
             constexpr double end = rules::kLoopEdgeEnd;
             constexpr double wing = rules::kLoopEdgeWing;
-            const double alpha = rules::loop_alpha(n);
-            row = {1 - n * alpha, alpha, n * (end * end + wing * wing)};
+            const rules::RingRule rule = rules::loop_ring(n);
+            row = {rule.self, rule.ring, n * (end * end + wing * wing)};
         } else if (rules_.split == Split::CatmullClark) {
-            const double share = 1.0 / (static_cast<double>(n) * n);
-            row = {(n - 2.0) / n, share, n * rules::kQuadEdgeEnd * rules::kQuadEdgeEnd};
+            const rules::RingRule rule = rules::catmull_clark_ring(n);
+            row = {rule.self, rule.ring, n * rules::kQuadEdgeEnd * rules::kQuadEdgeEnd};
         } else {
             const double ring = rules_.point[vertices_[v]] * 2 / 3;  // K = 3 alpha / (2 n)
             row = {1 - n * ring, ring, n * rules::kFacePoint3 * rules::kFacePoint3};

@@ -13,8 +13,7 @@ namespace relief::multires {
 /// new ones add depends on the neighbours and, Loop, on the vertices across the edges opposite.
 /// Catmull-Clark goes through the points of faces; but where all is regular P^T P is the square in
 /// both directions of that of cubic curves, and so a product of two sums over the eight vertices
-/// around. Where creases end inside the surface `terms_`
-/// and `dart_edges_` mend what this supposes.
+/// around. Where creases end inside the surface `terms_` and `dart_edges_` mend what this supposes.
 ///
 /// Inner vertices are counted in the order in which faces name them: so neighbours are near each
 /// other in memory. Every element is gathered in an order of its own: results do not depend on the

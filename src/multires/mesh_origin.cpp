@@ -1,11 +1,9 @@
 #include <algorithm>
-#include <limits>
-#include <numeric>
 #include <utility>
 
-#include "relief/mesh/recognise.h"
+#include "multires/mesh_descent.h"
+#include "relief/mesh/near_order.h"
 #include "relief/mesh/walk.h"
-#include "relief/multires/mesh_hierarchy.h"
 
 namespace relief::multires {
 
@@ -13,266 +11,73 @@ namespace {
 
 using mesh::Index;
 using mesh::kNone;
-using mesh::Recognition;
 using mesh::Split;
 using mesh::Topology;
 using mesh::Unsplit;
-using Points = std::vector<Vec3<double>>;
+using Levels = std::vector<std::unique_ptr<FoundLevel>>;
 
-/// A level that was found, and how to get back to the finer one.
-struct Found {
-    Unsplit unsplit;
-    Split split = Split::Loop;
+/// A mesh in numbers in which neighbours are near each other: what is found in it is looked for in
+/// the order of memory.
+struct NearMesh {
+    mesh::Renumbered numbers;
+    std::vector<Vec3<double>> points;
     MeshTags tags;
-    bool in_order = false;  ///< the finer one has the numbers of the split
+
+    NearMesh(const Topology& mesh, std::span<const Vec3<double>> its_points,
+             const MeshTags& its_tags)
+        : numbers(mesh::near_order(mesh)) {
+        for (std::size_t v = 0; v < numbers.vertices.size() && !its_points.empty(); ++v)
+            points.push_back(its_points[numbers.vertices[v]]);
+        for (std::size_t v = 0; v < numbers.vertices.size() && !its_tags.corner.empty(); ++v)
+            tags.corner.push_back(its_tags.corner[numbers.vertices[v]]);
+        if (its_tags.sharp.empty()) return;
+        mesh::number_edges(numbers.mesh);
+        tags.sharp.resize(mesh.edge_count);
+        for (Index h = 0; h < mesh.half_edge_count(); ++h)
+            tags.sharp[numbers.mesh.edge[h]] = its_tags.sharp[mesh.edge[numbers.half_edge(h)]];
+    }
 };
 
-/// For each half-edge of a mesh where its split has what Unsplit::fine names.
-Buffer<Index> own_starts(const Topology& coarse, Split split) {
-    Buffer<Index> starts(coarse.half_edge_count());
-    const bool sqrt3 = split == Split::Sqrt3Odd || split == Split::Sqrt3Even;
-    const Buffer<Index> faces = sqrt3 ? mesh::sqrt3_faces(coarse, split) : Buffer<Index>();
-    for (Index h = 0; h < starts.size(); ++h)
-        starts[h] = sqrt3                  ? 3 * faces[h]
-                    : split == Split::Loop ? 12 * (h / 3) + 3 * (h % 3)
-                                           : 4 * h;
-    return starts;
-}
+/// A mesh whose levels were found, and how another mesh numbers the same.
+struct Searched {
+    const Topology& mesh;
+    Levels levels;
+    const mesh::Renumbered* numbers = nullptr;  ///< none: its own
 
-/// Tags of the coarser mesh: an edge is sharp if both of its halves are.
-MeshTags coarser_tags(const MeshTags& tags, const Topology& fine, const Found& found,
-                      std::vector<Index>* lost) {
-    const Topology& coarse = found.unsplit.mesh;
-    MeshTags result;
-    if (!tags.corner.empty()) {
-        result.corner.resize(coarse.vertex_count);
-        for (Index v = 0; v < coarse.vertex_count; ++v)
-            result.corner[v] = tags.corner[found.unsplit.old_vertices[v]];
-    }
-    if (tags.sharp.empty()) return result;
-    std::vector<std::uint8_t> kept(fine.edge_count, 0);
-    result.sharp.assign(coarse.edge_count, 0);
-    const bool halved = found.split == Split::Loop || found.split == Split::CatmullClark;
-    mesh::each_edge(coarse, [&](Index h, Index, Index) {
-        if (!halved || coarse.on_boundary(h)) return;
-        const Index first = fine.edge[found.unsplit.fine[h]];
-        const Index second = fine.edge[found.unsplit.fine[coarse.twin[h]]];
-        if (!tags.sharp[first] || !tags.sharp[second]) return;
-        result.sharp[coarse.edge[h]] = kept[first] = kept[second] = 1;
-    });
-    for (Index h = 0; lost && h < fine.half_edge_count(); ++h)
-        if (fine.is_first(h) && !fine.on_boundary(h) && tags.sharp[fine.edge[h]] &&
-            !kept[fine.edge[h]])
-            lost->push_back(fine.edge[h]);
-    return result;
-}
-
-/// A mesh in the numbers of the subdivision that it is.
-struct Ordered {
-    Points points;
-    std::vector<Index> half_edge;  ///< [vertex]: one of the mesh's that begins there
-};
-
-Result<Ordered> ordered(const Topology& fine, std::span<const Vec3<double>> points,
-                        const Found& found) {
-    RELIEF_TRY(const Topology again, mesh::refine(found.unsplit.mesh, found.split));
-    const auto half_edges =
-        mesh::fine_half_edges(found.unsplit.mesh, found.split, fine, found.unsplit.fine);
-    Ordered result{Points(points.size()), std::vector<Index>(points.size())};
-    for (Index h = 0; h < again.half_edge_count(); ++h) {
-        result.points[again.origin[h]] = points[fine.origin[half_edges[h]]];
-        result.half_edge[again.origin[h]] = half_edges[h];
-    }
-    return result;
-}
-
-/// The coarser mesh whose subdivision is near the points.
-Result<Points> lifted(const MeshStep<double>& step, const Points& points, MeshScheme scheme) {
-    Points c = points;
-    Points scratch(c.size());
-    Points stiff(step.rules().stiff.size());
-    step.analyse(c.data(), stiff.data(), scratch.data());
-    RELIEF_TRY(const MeshLift lift, MeshLift::create(step, default_lift(scheme, 0)));
-    lift.apply(c.data() + step.coarse_count(), stiff.data(), scratch.data());
-    c.resize(step.coarse_count());
-    for (std::size_t v = 0; v < c.size(); ++v) c[v] += scratch[v];
-    return c;
-}
-
-class Descent {
-  public:
-    Descent(const Topology& mesh, std::span<const Vec3<double>> points, const MeshTags& tags,
-            MeshScheme scheme)
-        : mesh_(mesh), tags_(tags), scheme_(scheme), points_(points) {}
-
-    /// All levels, the finest step first; sqrt(3): `even` is the parity of that one.
-    void run(bool even, int most) {
-        descend_in_order(even, most);
-        even = even != (levels_.size() % 2 != 0);
-        while (static_cast<int>(levels_.size()) < most) {
-            const Split split = split_of(scheme_, even ? 1 : 0);
-            const Recognition recognition(finest_left(), split);
-            if (recognition.ok()) link_levels_in_order();
-            Result<Found> found =
-                recognition.ok() ? choose(recognition, split) : Result<Found>(recognition.error());
-            if (!found.ok()) {
-                reason_ = found.error();
-                return;
-            }
-            levels_.push_back(*std::move(found));
-            even = !even;
-        }
-    }
-
-    [[nodiscard]] const std::optional<Error>& reason() const { return reason_; }
-    [[nodiscard]] std::vector<Found>& levels() { return levels_; }
-
-  private:
     [[nodiscard]] const Topology& finer(std::size_t k) const {
-        return k == 0 ? mesh_ : levels_[k - 1].unsplit.mesh;
+        return k == 0 ? mesh : levels[k - 1]->unsplit.mesh;
     }
-    [[nodiscard]] const Topology& finest_left() const { return finer(levels_.size()); }
-    [[nodiscard]] const MeshTags& tags_left() const {
-        return levels_.empty() ? tags_ : levels_.back().tags;
+    [[nodiscard]] const Topology& base() const { return levels.back()->unsplit.mesh; }
+    [[nodiscard]] Index face(Index f) const { return numbers ? numbers->faces[f] : f; }
+    /// Of a vertex of the mesh above `level`.
+    [[nodiscard]] Index vertex(std::size_t level, Index v) const {
+        while (level-- > 0) v = levels[level]->unsplit.old_vertices[v];
+        return numbers ? numbers->vertices[v] : v;
     }
-
-    /// As far as meshes have the numbers of subdivision: no other way could be meant.
-    void descend_in_order(bool even, int most) {
-        while (static_cast<int>(levels_.size()) < most) {
-            Found level;
-            level.split = split_of(scheme_, even == (levels_.size() % 2 == 0) ? 1 : 0);
-            auto coarse = mesh::unsplit_in_order(finest_left(), level.split);
-            if (!coarse) break;
-            level.in_order = true;
-            level.unsplit.mesh = *std::move(coarse);
-            levels_.push_back(std::move(level));
-        }
-        while (!levels_.empty() && !mesh::is_built(finest_left())) levels_.pop_back();
-        if (!tags_.sharp.empty() || !tags_.corner.empty()) link_levels_in_order();
-        for (std::size_t k = 0; k < levels_.size(); ++k)
-            levels_[k].tags =
-                coarser_tags(k == 0 ? tags_ : levels_[k - 1].tags, finer(k), levels_[k], nullptr);
-    }
-
-    /// Tells where in the finer mesh those levels are.
-    void link_levels_in_order() {
-        for (Found& level : levels_) {
-            Unsplit& unsplit = level.unsplit;
-            if (!level.in_order || unsplit.fine.size() > 0) continue;
-            unsplit.fine = own_starts(unsplit.mesh, level.split);
-            unsplit.old_vertices.resize(unsplit.mesh.vertex_count);
-            std::iota(unsplit.old_vertices.begin(), unsplit.old_vertices.end(), Index{0});
-        }
-    }
-
-    /// Of the coarsest mesh so far. They are needed where there is a choice only.
-    Result<std::span<const Vec3<double>>> points_left() {
-        while (coarser_points_.size() < levels_.size()) {
-            const std::size_t k = coarser_points_.size();
-            const Found& found = levels_[k];
-            RELIEF_TRY(const Ordered fine, ordered(finer(k), points_at(k), found));
-            RELIEF_TRY(const StepRules rules,
-                       step_rules(found.unsplit.mesh, found.tags, found.split));
-            RELIEF_TRY(Points coarse, lifted({found.unsplit.mesh, rules}, fine.points, scheme_));
-            coarser_points_.push_back(std::move(coarse));
-        }
-        return points_at(levels_.size());
-    }
-    [[nodiscard]] std::span<const Vec3<double>> points_at(std::size_t k) const {
-        return k == 0 ? points_ : coarser_points_[k - 1];
-    }
-
-    Result<Found> found(const Recognition& recognition, Split split,
-                        const std::vector<std::size_t>& choice) const {
-        Found result;
-        result.split = split;
-        RELIEF_TRY(result.unsplit, recognition.unsplit(choice));
-        result.tags = coarser_tags(tags_left(), finest_left(), result, nullptr);
-        return result;
-    }
-
-    /// The components seen in some ways, and how far subdivision stays from the points.
-    struct Attempt {
-        std::vector<std::size_t> choice;
-        Found found;
-        Points coarse;
-        std::vector<double> squares;  ///< [component]: of the distances
-    };
-
-    /// For each component the way from which subdivision comes nearest.
-    Result<Found> choose(const Recognition& recognition, Split split) {
-        const std::size_t components = recognition.components();
-        std::size_t most = 1;
-        for (std::size_t c = 0; c < components; ++c) most = std::max(most, recognition.ways(c));
-        std::vector<std::size_t> best(components, 0);
-        std::vector<double> least(components, std::numeric_limits<double>::infinity());
-        std::optional<Attempt> kept;
-        for (std::size_t way = 0; most > 1 && !points_.empty() && way < most; ++way) {
-            std::vector<std::size_t> choice(components);
-            for (std::size_t c = 0; c < components; ++c)
-                choice[c] = std::min(way, recognition.ways(c) - 1);
-            RELIEF_TRY(Attempt attempt, attempted(recognition, split, std::move(choice)));
-            for (std::size_t c = 0; c < components; ++c)
-                if (attempt.squares[c] < least[c]) {
-                    least[c] = attempt.squares[c];
-                    best[c] = attempt.choice[c];
-                }
-            if (best == attempt.choice) kept = std::move(attempt);
-        }
-        if (!kept || kept->choice != best) return found(recognition, split, best);
-        coarser_points_.push_back(std::move(kept->coarse));
-        return std::move(kept->found);
-    }
-
-    Result<Attempt> attempted(const Recognition& recognition, Split split,
-                              std::vector<std::size_t> choice) {
-        Attempt attempt;
-        RELIEF_TRY(attempt.found, found(recognition, split, choice));
-        const Topology& coarse = attempt.found.unsplit.mesh;
-        RELIEF_TRY(const auto points, points_left());
-        RELIEF_TRY(const Ordered fine, ordered(finest_left(), points, attempt.found));
-        RELIEF_TRY(const StepRules rules, step_rules(coarse, attempt.found.tags, split));
-        const MeshStep<double> step(coarse, rules);
-        RELIEF_TRY(attempt.coarse, lifted(step, fine.points, scheme_));
-        Points surface(fine.points.size());
-        step.apply(attempt.coarse.data(), surface.data(), surface.data() + attempt.coarse.size());
-        attempt.squares.assign(recognition.components(), 0);
-        for (std::size_t k = 0; k < surface.size(); ++k) {
-            const Vec3<double> off = fine.points[k] - surface[k];
-            const Index face = finest_left().face_of(fine.half_edge[k]);
-            attempt.squares[recognition.parts().of_face[face]] += dot(off, off);
-        }
-        attempt.choice = std::move(choice);
-        return attempt;
-    }
-
-    const Topology& mesh_;
-    const MeshTags& tags_;
-    MeshScheme scheme_;
-    std::vector<Found> levels_;
-    std::span<const Vec3<double>> points_;
-    std::vector<Points> coarser_points_;  ///< of levels_, as far as asked for
-    std::optional<Error> reason_;
 };
 
-/// Half-edges of the finest level of the hierarchy over a base, as the mesh has them. here: of the
-/// base, as levels.back() has them.
-Result<Buffer<Index>> climb(const Topology& fine, const std::vector<Found>& levels,
-                            const Topology& base, Buffer<Index> here) {
+/// Where the faces of the finest level of the hierarchy over a base begin in the mesh. here:
+/// half-edges of the base, as levels.back() has them.
+Result<Buffer<Index>> climb(const Searched& searched, const Topology& base, Buffer<Index> here) {
     const Topology* canonical = &base;
     Topology finer;
-    for (std::size_t k = levels.size(); k-- > 0;) {
-        const Unsplit& unsplit = levels[k].unsplit;
-        const Topology& target = k == 0 ? fine : levels[k - 1].unsplit.mesh;
+    for (std::size_t k = searched.levels.size(); k-- > 0;) {
+        const FoundLevel& level = *searched.levels[k];
         Buffer<Index> start(canonical->half_edge_count());
-        for (Index h = 0; h < start.size(); ++h) start[h] = unsplit.fine[here[h]];
-        here = mesh::fine_half_edges(*canonical, levels[k].split, target, start);
+        for (Index h = 0; h < start.size(); ++h) start[h] = level.unsplit.fine[here[h]];
+        here = mesh::fine_half_edges(*canonical, level.split, searched.finer(k), start);
         if (k == 0) break;
-        RELIEF_TRY(Topology next, mesh::refine(*canonical, levels[k].split));
+        RELIEF_TRY(Topology next, mesh::refine(*canonical, level.split));
         finer = std::move(next);
         canonical = &finer;
     }
-    return here;
+    const auto sides = static_cast<Index>(searched.mesh.sides);
+    Buffer<Index> corners(searched.mesh.face_count);
+    for (Index f = 0; f < corners.size(); ++f) {
+        const Index h = here[sides * f];
+        corners[f] = searched.numbers ? searched.numbers->half_edge(h) : h;
+    }
+    return corners;
 }
 
 /// What tells the order of a base's faces and corners: numbers in the mesh of what they give, which
@@ -283,63 +88,80 @@ struct Keys {
 };
 
 /// Loop, Catmull-Clark: the first face that each corner gives in the end.
-Keys keys_of_corners(const std::vector<Found>& levels, const Topology& mesh) {
+Keys keys_of_corners(const Searched& searched) {
     Keys keys;
-    const Buffer<Index>& starts = levels.back().unsplit.fine;
+    const Levels& levels = searched.levels;
+    const Buffer<Index>& starts = levels.back()->unsplit.fine;
     for (Index corner = 0; corner < starts.size(); ++corner) {
         Index h = starts[corner];
-        for (std::size_t k = levels.size() - 1; k-- > 0;) h = levels[k].unsplit.fine[h];
-        keys.of_half_edge.push_back(mesh.face_of(h));
+        for (std::size_t k = levels.size() - 1; k-- > 0;) h = levels[k]->unsplit.fine[h];
+        keys.of_half_edge.push_back(searched.face(searched.mesh.face_of(h)));
     }
     return keys;
 }
 
 /// sqrt(3): the vertices that the first step puts into faces and the second one into what each
 /// half-edge gives, or its face in the end.
-Keys keys_of_edges(const std::vector<Found>& levels, const Topology& mesh) {
-    const auto at = [&](std::size_t k) -> const Topology& {
-        return k == 0 ? mesh : levels[k - 1].unsplit.mesh;
-    };
+Keys keys_of_edges(const Searched& searched) {
     // The vertex that level k puts into a face, the first of two, by its number in the mesh.
     const auto point = [&](std::size_t k, const Topology& coarse, Index f) {
+        const FoundLevel& level = *searched.levels[k];
         const Index side = mesh::boundary_side(coarse, f);
-        const bool trisected = levels[k].split == Split::Sqrt3Even && side != kNone;
-        const Topology& fine = at(k);
-        const Index h = levels[k].unsplit.fine[trisected ? side : 3 * f];
-        Index v = fine.origin[trisected ? h : fine.prev(h)];
-        for (std::size_t finer = k; finer-- > 0;) v = levels[finer].unsplit.old_vertices[v];
-        return v;
+        const bool trisected = level.split == Split::Sqrt3Even && side != kNone;
+        const Topology& fine = searched.finer(k);
+        const Index h = level.unsplit.fine[trisected ? side : 3 * f];
+        return searched.vertex(k, fine.origin[trisected ? h : fine.prev(h)]);
     };
-    const std::size_t last = levels.size() - 1;
-    const Topology& base = levels[last].unsplit.mesh;
+    const std::size_t last = searched.levels.size() - 1;
+    const Topology& base = searched.base();
+    const Topology& finer = searched.finer(last);
     Keys keys;
     for (Index f = 0; f < base.face_count; ++f) keys.of_face.push_back(point(last, base, f));
-    const Buffer<Index>& starts = levels[last].unsplit.fine;
+    const Buffer<Index>& starts = searched.levels[last]->unsplit.fine;
     for (Index h = 0; h < starts.size(); ++h) {
-        const Index face = at(last).face_of(starts[h]);
-        keys.of_half_edge.push_back(last == 0 ? face : point(last - 1, at(last), face));
+        const Index face = finer.face_of(starts[h]);
+        keys.of_half_edge.push_back(last == 0 ? searched.face(face) : point(last - 1, finer, face));
     }
     return keys;
+}
+
+/// For each vertex of the base how many of them have smaller numbers in the mesh.
+std::vector<Index> ranks(const Searched& searched) {
+    const Index count = searched.base().vertex_count;
+    std::vector<Index> at(searched.mesh.vertex_count, kNone);
+    for (Index v = 0; v < count; ++v) at[searched.vertex(searched.levels.size(), v)] = v;
+    std::vector<Index> result(count);
+    Index rank = 0;
+    for (const Index v : at)
+        if (v != kNone) result[v] = rank++;
+    return result;
 }
 
 /// The base with its faces in the order in which the mesh has what they give, each from the corner
 /// that gives the first: a mesh that was made by subdivision gives back what it was made of.
 /// sqrt(3) numbers fine faces by old edges, so that the order of faces comes from their points; a
-/// face begins with the first edge that none before it has.
+/// face begins with the first edge that none before it has, or with its first vertex. Vertices are
+/// in the order of the mesh.
 struct Arranged {
     Topology base;
     MeshTags tags;
     Buffer<Index> half_edges;  ///< as the base was before
 };
-Result<Arranged> arranged(const Topology& base, const MeshTags& tags, const Keys& keys) {
-    struct Face {
-        Index key;
-        Index first;
-    };
-    std::vector<Face> order(base.face_count);
+
+/// The half-edge that a face begins with, and what it is sorted by.
+struct FaceStart {
+    Index key;
+    Index first;
+};
+
+std::vector<FaceStart> face_starts(const Topology& base, const Keys& keys,
+                                   const std::vector<Index>& rank) {
+    std::vector<FaceStart> starts(base.face_count);
     for (Index f = 0; f < base.face_count; ++f) {
         Index least = kNone;
-        order[f].first = base.first_of(f);
+        Index first = base.first_of(f);
+        for (Index h = base.first_of(f); h < base.first_of(f + 1); ++h)
+            if (rank[base.origin[h]] < rank[base.origin[first]]) first = h;
         for (Index h = base.first_of(f); h < base.first_of(f + 1); ++h) {
             const Index twin = base.twin[h];
             if (!keys.of_face.empty() && twin != kNone &&
@@ -347,27 +169,36 @@ Result<Arranged> arranged(const Topology& base, const MeshTags& tags, const Keys
                 continue;
             if (keys.of_half_edge[h] >= least) continue;
             least = keys.of_half_edge[h];
-            order[f].first = h;
+            first = h;
         }
-        order[f].key = keys.of_face.empty() ? least : keys.of_face[f];
+        starts[f] = {keys.of_face.empty() ? least : keys.of_face[f], first};
     }
-    std::sort(order.begin(), order.end(),
-              [](const Face& a, const Face& b) { return a.key < b.key; });
+    std::sort(starts.begin(), starts.end(),
+              [](const FaceStart& a, const FaceStart& b) { return a.key < b.key; });
+    return starts;
+}
+
+Result<Arranged> arranged(const Searched& searched, const Keys& keys) {
+    const Topology& base = searched.base();
+    const MeshTags& tags = searched.levels.back()->tags;
+    const std::vector<Index> rank = ranks(searched);
     mesh::FaceList faces;
     Arranged result;
     result.half_edges = Buffer<Index>(base.half_edge_count());
     Index count = 0;
-    for (const Face& face : order) {
+    for (const FaceStart& face : face_starts(base, keys, rank)) {
         Index h = face.first;
         do {
-            faces.corners.push_back(base.origin[h]);
+            faces.corners.push_back(rank[base.origin[h]]);
             result.half_edges[count++] = h;
             h = base.next(h);
         } while (h != face.first);
         faces.offsets.push_back(count);
     }
     RELIEF_TRY(result.base, mesh::build(faces, base.vertex_count));
-    result.tags.corner = tags.corner;
+    result.tags.corner.resize(tags.corner.size());
+    for (std::size_t v = 0; v < tags.corner.size(); ++v)
+        result.tags.corner[rank[v]] = tags.corner[v];
     if (tags.sharp.empty()) return result;
     result.tags.sharp.resize(base.edge_count);
     for (Index h = 0; h < count; ++h)
@@ -375,45 +206,86 @@ Result<Arranged> arranged(const Topology& base, const MeshTags& tags, const Keys
     return result;
 }
 
+/// Sharp edges that no edge of the first level gives, ascending, as the other mesh numbers them.
+std::vector<Index> lost_creases(const Searched& searched, const MeshTags& tags,
+                                const Topology& other) {
+    std::vector<Index> lost;
+    if (tags.sharp.empty()) return lost;
+    coarser_tags(tags, searched.mesh, *searched.levels.front(), &lost);
+    if (lost.empty() || !searched.numbers) return lost;
+    std::vector<Index> edges(other.edge_count);
+    mesh::each_edge(searched.mesh, [&](Index h, Index, Index) {
+        edges[searched.mesh.edge[h]] = other.edge[searched.numbers->half_edge(h)];
+    });
+    for (Index& edge : lost) edge = edges[edge];
+    std::sort(lost.begin(), lost.end());
+    return lost;
+}
+
+/// The longer one of the levels that descents found. With as many, those of sqrt(3) whose base
+/// begins with an odd step: the first descent ends with one.
+Levels longest(std::vector<MeshDescent>& descents) {
+    Levels levels = std::move(descents[0].levels());
+    if (descents.size() == 1) return levels;
+    Levels other = std::move(descents[1].levels());
+    const bool even = !other.empty() && other.size() == levels.size() && other.size() % 2 == 0;
+    return other.size() > levels.size() || even ? std::move(other) : std::move(levels);
+}
+
 }  // namespace
 
 Result<MeshOrigin> origin_of(const Topology& mesh, std::span<const Vec3<double>> points,
                              const MeshTags& tags, MeshScheme scheme, int most) {
-    Descent descent(mesh, points, tags, scheme);
-    descent.run(false, most);
-    std::vector<Found> levels = std::move(descent.levels());
     const bool open = mesh::counts_of(mesh).boundary_edges > 0;
-    if (scheme == MeshScheme::Sqrt3 && open) {
-        Descent other(mesh, points, tags, scheme);
-        other.run(true, most);
-        // With as many levels, the one whose base begins with an odd step.
-        const std::size_t steps = other.levels().size();
-        if (steps > levels.size() || (steps > 0 && steps == levels.size() && steps % 2 == 0))
-            levels = std::move(other.levels());
+    const int parities = scheme == MeshScheme::Sqrt3 && open ? 2 : 1;
+    std::vector<MeshDescent> descents;
+    bool in_order = false;
+    for (int even = 0; even < parities; ++even) {
+        descents.emplace_back(mesh, points, tags, scheme, even == 1).read_in_order(most);
+        in_order = in_order || !descents.back().levels().empty();
     }
-    if (levels.empty())
+    std::optional<NearMesh> near;
+    if (!in_order && mesh.sides != 0) {
+        near.emplace(mesh, points, tags);
+        descents.clear();
+        for (int even = 0; even < parities; ++even)
+            descents.emplace_back(near->numbers.mesh, near->points, near->tags, scheme, even == 1);
+    }
+    for (MeshDescent& descent : descents) descent.search(most);
+    const Searched searched{near ? near->numbers.mesh : mesh, longest(descents),
+                            near ? &near->numbers : nullptr};
+    if (searched.levels.empty()) {
+        // Once more in the mesh's own numbers, which the reason names.
+        MeshDescent descent(mesh, points, tags, scheme, false);
+        descent.search(most);
         return descent.reason().value_or(
             Error{ErrorCode::InvalidArgument, "at least one level is needed", "levels"});
+    }
+    FoundLevel& last = *searched.levels.back();
     MeshOrigin origin;
-    coarser_tags(tags, mesh, levels.front(), &origin.lost_creases);
+    origin.lost_creases = lost_creases(searched, near ? near->tags : tags, mesh);
     origin.spec.scheme = scheme;
-    origin.spec.first_even = open && levels.back().split == Split::Sqrt3Even;
-    origin.steps = static_cast<int>(levels.size());
-    if (levels.back().in_order) {
-        origin.base = std::move(levels.back().unsplit.mesh);
-        origin.tags = std::move(levels.back().tags);
-        origin.half_edges = Buffer<Index>(mesh.half_edge_count());
-        std::iota(origin.half_edges.data(), origin.half_edges.data() + mesh.half_edge_count(),
-                  Index{0});
+    origin.spec.first_even = open && last.split == Split::Sqrt3Even;
+    origin.steps = static_cast<int>(searched.levels.size());
+    if (last.in_order) {
+        origin.base = std::move(last.unsplit.mesh);
+        origin.tags = std::move(last.tags);
         return origin;
     }
-    const Keys keys =
-        scheme == MeshScheme::Sqrt3 ? keys_of_edges(levels, mesh) : keys_of_corners(levels, mesh);
-    RELIEF_TRY(Arranged base, arranged(levels.back().unsplit.mesh, levels.back().tags, keys));
-    RELIEF_TRY(origin.half_edges, climb(mesh, levels, base.base, std::move(base.half_edges)));
+    RELIEF_TRY(Arranged base,
+               arranged(searched, scheme == MeshScheme::Sqrt3 ? keys_of_edges(searched)
+                                                              : keys_of_corners(searched)));
+    RELIEF_TRY(origin.corners, climb(searched, base.base, std::move(base.half_edges)));
     origin.tags = std::move(base.tags);
     origin.base = std::move(base.base);
     return origin;
+}
+
+bool MeshOrigin::in_order() const {
+    const auto sides = static_cast<Index>(mesh::sides_after(spec.split(0)));
+    for (Index f = 0; f < corners.size(); ++f)
+        if (corners[f] != sides * f) return false;
+    return true;
 }
 
 Result<MeshOrigin> renumbered(const MeshOrigin& origin, std::span<const Index> vertices,
@@ -457,8 +329,10 @@ Result<MeshOrigin> renumbered(const MeshOrigin& origin, std::span<const Index> v
         here.assign(finer.data(), finer.data() + finer.size());
         RELIEF_TRY(mine, mesh::refine(mine, split));
     }
-    result.half_edges = Buffer<Index>(here.size());
-    for (std::size_t h = 0; h < here.size(); ++h) result.half_edges[h] = origin.half_edges[here[h]];
+    const auto sides = static_cast<Index>(mine.sides);
+    result.corners = Buffer<Index>(mine.face_count);
+    for (Index f = 0; f < mine.face_count; ++f)
+        result.corners[f] = origin.half_edge(here[sides * f]);
     return result;
 }
 

@@ -211,8 +211,9 @@ class Refiner {
         const Space& space = surface.space;
         const mesh::TriangleLocator locator(space.mesh);
         locate(space.mesh, locator);
-        RELIEF_TRY(const LeastSquares squares,
-                   LeastSquares::create(space, {moved_, triangles_, data_.weights}));
+        RELIEF_TRY(
+            const LeastSquares squares,
+            LeastSquares::create(space, {moved_, triangles_, data_.weights}, options_.energy));
         RELIEF_TRY(FittedSpline fitted, squares.fit(data_.values, options_.smoothing));
         surface.spline = std::move(fitted.spline);
         surface.report.smoothing = options_.smoothing;

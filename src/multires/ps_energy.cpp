@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "multires/ps_errors.h"
+#include "multires/ps_triangles.h"
 
 namespace relief::multires::ps {
 
@@ -14,53 +14,14 @@ using spline::PsPolynomials;
 
 namespace {
 
-constexpr std::size_t kChunk = 8192;  ///< triangles whose matrices are held at a time
-
-BlockMatrix empty_matrix(const mesh::Triangulation& mesh) {
-    const mesh::VertexStars neighbours = mesh::vertex_neighbours(mesh);
-    BlockMatrix matrix;
-    matrix.first.push_back(0);
-    for (Index v = 0; v < mesh.vertex_count(); ++v) {
-        const auto others = neighbours.of(v);
-        const auto above = std::lower_bound(others.begin(), others.end(), v);
-        matrix.column.insert(matrix.column.end(), others.begin(), above);
-        matrix.column.push_back(v);
-        matrix.column.insert(matrix.column.end(), above, others.end());
-        matrix.first.push_back(matrix.column.size());
-    }
-    matrix.block.resize(matrix.column.size());
-    return matrix;
-}
-
-void add_element(const std::array<Index, 3>& vertices, const PsMatrix& element,
-                 BlockMatrix& matrix) {
-    for (int i = 0; i < 3; ++i) {
-        const auto columns = matrix.columns(vertices[i]);
-        for (int k = 0; k < 3; ++k) {
-            const auto at = std::find(columns.begin(), columns.end(), vertices[k]);
-            auto& block =
-                matrix.block[matrix.first[vertices[i]] + std::size_t(at - columns.begin())];
-            for (int j = 0; j < 3; ++j)
-                for (int l = 0; l < 3; ++l)
-                    block[3 * j + l] += element[9 * (3 * i + j) + 3 * k + l];
-        }
-    }
-}
-
-/// Sums of the triangles' matrices, always in the order of triangles.
+/// Sums of the triangles' matrices.
 template <class ElementMatrix>
 BlockMatrix assemble(const Space& space, ElementMatrix element_matrix) {
-    BlockMatrix matrix = empty_matrix(space.mesh);
-    std::vector<PsMatrix> elements(std::min(kChunk, space.mesh.triangles.size()));
-    for (std::size_t begin = 0; begin < space.mesh.triangles.size(); begin += kChunk) {
-        const std::size_t count = std::min(kChunk, space.mesh.triangles.size() - begin);
-        for_each_index(count, [&](Index k) {
-            const auto t = static_cast<Index>(begin + k);
-            elements[k] = element_matrix(space.element(t), space.basis(t));
-        });
-        for (std::size_t k = 0; k < count; ++k)
-            add_element(space.mesh.triangles[begin + k], elements[k], matrix);
-    }
+    BlockMatrix matrix(mesh::vertex_neighbours(space.mesh));
+    each_triangle<PsMatrix>(
+        space.mesh.triangle_count(),
+        [&](Index t) { return element_matrix(space.element(t), space.basis(t)); },
+        [&](Index t, const PsMatrix& element) { matrix.add(space.mesh.triangles[t], element); });
     return matrix;
 }
 
@@ -69,21 +30,41 @@ PsPolynomials polynomials(const Space& space, const TangentPlanes& planes, Index
     return space.element(t).polynomials(std::array{planes[v[0]], planes[v[1]], planes[v[2]]});
 }
 
-/// The pieces of a triangle at an edge, that at its lower end first.
-std::array<int, 2> pieces_at(const mesh::Triangulation& mesh, Index t, Index e) {
-    Index k = 0;
-    while (mesh.triangle_edges[t][k] != e) ++k;
-    const int first = 2 * static_cast<int>(k);
-    if (mesh.runs_forward(t, k)) return {first, first + 1};
-    return {first + 1, first};
-}
-
 }  // namespace
+
+BlockMatrix::BlockMatrix(const mesh::VertexStars& coupled) {
+    first.push_back(0);
+    for (Index v = 0; v + 1 < coupled.first.size(); ++v) {
+        const auto others = coupled.of(v);
+        const auto above = std::lower_bound(others.begin(), others.end(), v);
+        column.insert(column.end(), others.begin(), above);
+        column.push_back(v);
+        column.insert(column.end(), above, others.end());
+        first.push_back(column.size());
+    }
+    block.resize(column.size());
+}
 
 const BlockMatrix::Block* BlockMatrix::find(Index row, Index col) const {
     const auto in_row = columns(row);
-    const auto at = std::find(in_row.begin(), in_row.end(), col);
-    return at == in_row.end() ? nullptr : &block[first[row] + std::size_t(at - in_row.begin())];
+    const auto at = std::lower_bound(in_row.begin(), in_row.end(), col);
+    if (at == in_row.end() || *at != col) return nullptr;
+    return &block[first[row] + static_cast<std::size_t>(at - in_row.begin())];
+}
+
+BlockMatrix::Block& BlockMatrix::at(Index row, Index col) {
+    const auto in_row = columns(row);
+    const auto place = std::lower_bound(in_row.begin(), in_row.end(), col) - in_row.begin();
+    return block[first[row] + static_cast<std::size_t>(place)];
+}
+
+void BlockMatrix::add(const std::array<Index, 3>& vertices, const PsMatrix& element) {
+    for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k) {
+            Block& sum = at(vertices[i], vertices[k]);
+            for (int j = 0; j < 3; ++j)
+                for (int l = 0; l < 3; ++l) sum[3 * j + l] += element[9 * (3 * i + j) + 3 * k + l];
+        }
 }
 
 Coefficients BlockMatrix::times(std::span<const Heights> spline) const {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "multires/ps_errors.h"
-#include "multires/ps_projection.h"
+#include "multires/ps_solver.h"
 #include "multires/ps_stencil.h"
 
 namespace relief::multires::ps {
@@ -78,9 +78,10 @@ Result<Coefficients> full_update(const Space& coarse, const Refinement& step,
     fine.insert(fine.end(), details.begin(), details.end());
     const Coefficients products =
         transpose_prolong(coarse, step, gram_matrix(step.fine).times(fine));
-    std::optional<Coefficients> sum = solve(gram_matrix(coarse), products);
-    if (!sum) return singular(0);
-    return *std::move(sum);
+    const BlockMatrix gram = gram_matrix(coarse);
+    Solver solver(gram);
+    if (const auto lost = solver.factor(gram)) return singular(*lost);
+    return solver.solve(products);
 }
 
 /// U d.

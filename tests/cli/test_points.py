@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 import os
 import struct
 import xml.etree.ElementTree as ElementTree
@@ -11,7 +12,7 @@ import numpy as np
 from harness import DATA, Case, contents_of, main, read_raster, samples
 
 FIT_KEYS = ("points scheme order levels samples coefficients kept bytes bits_per_sample max_error rms_error "
-            "energy_percent bound vertices triangles delaunay base_bytes surface_bound smoothing merged outside "
+            "energy_percent bound vertices triangles delaunay base_bytes surface_bound smoothing energy merged outside "
             "beyond reason seconds").split()
 
 
@@ -75,6 +76,7 @@ class Interpolation(Points):
         self.assertEqual((report["scheme"], report["delaunay"]), ("powell-sabin", True))
         self.assertEqual((report["merged"], report["outside"], report["beyond"], report["reason"]), (0, 0, 0, ""))
         self.assertIsNone(report["smoothing"])
+        self.assertIsNone(report["energy"])
         # Vertices lie on a lattice with 2^-50 of the extent; slopes are at most 10.
         self.assertLess(np.max(self.errors(file, rows)), 1e-12)
         self.assertLess(report["max_error"], 1e-12)
@@ -242,6 +244,23 @@ class LeastSquares(Points):
         off = rows[:, 2] - matrix @ np.linalg.lstsq(matrix, rows[:, 2], rcond=None)[0]
         self.assertAlmostEqual(rms[-1], np.sqrt(np.mean(np.square(off))), delta=0.01)
 
+    def test_jumps_leave_quadratics(self):
+        source = self.points(scattered(1000, quadratic))
+        _, plate = self.fitted(source, "--vertices", 60, "--smoothing", 1)
+        file, jumps = self.fitted(source, "--vertices", 60, "--smoothing", 1, "--energy", "jumps")
+        self.assertEqual((plate["energy"], jumps["energy"]), ("plate", "jumps"))
+        self.assertGreater(plate["max_error"], 1)
+        # The condition is about 1e9.
+        self.assertLess(jumps["max_error"], 1e-6)
+        # Noise of 0.5 around a quadratic: the rest of six numbers of 1000.
+        noisy = scattered(1000, quadratic, noise=0.5)
+        self.fitted(self.points(noisy, "noisy.xyz"), "--vertices", 60, "--energy", "jumps")
+        off = self.evaluated(file, noisy[:, :2])[:, 0] - quadratic(*noisy[:, :2].T)
+        self.assertLess(np.sqrt(np.mean(np.square(off))), 0.15)
+        _, bounded = self.fitted(source, "--max-error", 0.01, "--energy", "jumps")
+        self.assertLessEqual(bounded["max_error"], 0.01)
+        self.assertLess(bounded["vertices"], 60)
+
     def test_on_a_mesh_with_levels(self):
         mesh = self.path("base.off")
         with open(mesh, "w", encoding="ascii") as file:
@@ -270,7 +289,9 @@ class LeastSquares(Points):
         for options, says in (((("--vertices", 20, "--mesh", "m.obj")), "exclude"),
                               (("--vertices", 2), "at least 3"),
                               (("--levels", 1), "--vertices or --mesh"),
-                              (("--smoothing", 1), "--smoothing needs"),
+                              (("--smoothing", 1), "--smoothing and --energy need"),
+                              (("--energy", "jumps"), "--smoothing and --energy need"),
+                              (("--vertices", 20, "--energy", "none"), "--energy"),
                               (("--vertices", 20, "--smoothing", -1), "from 0 on"),
                               (("--vertices", 20, "--gradients", "zero"), "interpolation"),
                               (("--gradients", "cubic"), "adaptive, quadratic"),
@@ -318,6 +339,113 @@ class Triangles(Points):
         self.refuse(1, "encode", quads, out, "--scheme", "powell-sabin",
                     says=("not_a_triangle", f"{quads}, polygon 0"))
         self.refuse(2, "encode", folded, out, "--scheme", "powell-sabin", "--levels", 2, says="--levels")
+
+
+class Parametric(Points):
+    """Surfaces in space over the plane of their parameters u and v."""
+
+    @staticmethod
+    def ring(u, v):
+        """Part of a torus of radii 3 and 1: it stands upright, which no function over x and y does."""
+        return np.column_stack([(3 + np.cos(v)) * np.cos(u), (3 + np.cos(v)) * np.sin(u), np.sin(v)])
+
+    def rows(self, count, noise=0.0):
+        places = scattered(count, wavy)[:, :2]
+        return np.hstack([places, self.ring(*places.T) + np.random.default_rng(2).normal(0, noise, (count, 3))])
+
+    def setUp(self):
+        super().setUp()
+        self.data = self.rows(800)
+        self.source = self.points(self.data, "ring.csv", "u,v,x,y,z\n", ",")
+        self.columns = ("--columns", "u,v,x,y,z")
+
+    def off(self, file, rows):
+        return np.linalg.norm(self.evaluated(file, rows[:, :2]) - rows[:, 2:], axis=1)
+
+    def test_through_all_points(self):
+        file, report = self.fitted(self.source, *self.columns)
+        self.assertEqual((report["points"], report["vertices"], report["samples"]), (800, 800, 2400))
+        self.assertLess(np.max(self.off(file, self.data)), 1e-12)
+        self.assertEqual(self.json("info", file)["components"], 3)
+        # Parameters u, v and the ring between the points; the mesh is 0.2 wide.
+        inside = np.random.default_rng(4).uniform((0.3, 0.3), (5.7, 4.7), (500, 2))
+        self.assertLess(np.max(self.off(file, np.hstack([inside, self.ring(*inside.T)]))), 0.05)
+        same = self.json("compare", self.source, file, *self.columns)
+        self.assertLess(same["max_error"], 1e-12)
+        self.assertEqual(same["samples"], 2400)
+        self.refuse(1, "compare", self.source, file, "--columns", "u,v,x", says=(file, "--columns"))
+
+    def test_columns_by_number_and_weights(self):
+        weighted = np.hstack([self.data, np.ones((800, 1))])
+        file, _ = self.fitted(self.points(weighted), "--columns", "1,2,3,4,5,6")
+        self.assertEqual(contents_of(file), contents_of(self.fitted(self.source, *self.columns)[0]))
+        self.refuse(2, "fit", self.source, file, "--columns", "u,v,x,y,z,w,q", says="U,V,X,Y,Z")
+        self.refuse(1, "fit", self.source, file, "--columns", "u,v,x,y,q", says="no column is called 'q'")
+
+    def test_bounds(self):
+        file, report = self.fitted(self.source, *self.columns, "--max-error", 0.01, "--gradients", "adaptive")
+        worst = np.max(np.abs(self.evaluated(file, self.data[:, :2]) - self.data[:, 2:]))
+        self.assertLessEqual(worst, 0.01)
+        self.assertAlmostEqual(worst, report["max_error"], delta=1e-12)
+        self.refuse(2, "fit", self.source, file, *self.columns, "--max-error", 0.01, says="one value a point")
+
+    def test_least_squares_do_not_depend_on_axes(self):
+        rows = self.rows(3000, noise=0.1)
+        turn = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
+        turned = np.hstack([rows[:, :2], rows[:, 2:] @ turn])
+        inside = np.random.default_rng(4).uniform((0.3, 0.3), (5.7, 4.7), (500, 2))
+        found = []
+        for name, data in (("a.csv", rows), ("b.csv", turned)):
+            file, report = self.fitted(self.points(data, name, "u,v,x,y,z\n", ","), *self.columns,
+                                       "--vertices", 300, "--lossless")
+            found.append((report["smoothing"], self.evaluated(file, inside)))
+        self.assertEqual(found[0][0], found[1][0])
+        # Less than the noise, of which 3000 points leave a part.
+        self.assertLess(np.sqrt(np.mean(np.square(found[0][1] - self.ring(*inside.T)))), 0.07)
+        # The condition of the normal equations times rounding.
+        np.testing.assert_allclose(found[0][1] @ turn, found[1][1], atol=1e-9)
+
+    def test_decoded_and_drawn(self):
+        file, _ = self.fitted(self.source, *self.columns, "--lossless")
+        mesh = self.path("ring.obj")
+        self.json("decode", file, mesh)
+        with open(mesh, encoding="ascii") as lines:
+            words = [line.split() for line in lines]
+        vertices = np.array([w[1:] for w in words if w[0] == "v"], float)
+        uv = np.array([w[1:] for w in words if w[0] == "vt"], float)
+        np.testing.assert_allclose(vertices, self.ring(*uv.T), atol=1e-12)
+        self.json("decode", file, self.path("ring.csv2.csv"))
+        self.assertEqual(rows_of(self.path("ring.csv2.csv"))[0],
+                         "x y value1 dx1 dy1 value2 dx2 dy2 value3 dx3 dy3".split())
+        self.json("decode", file, self.path("ring.vtu"))
+        points = read_vtu(self.path("ring.vtu"))[1]["points"].reshape(-1, 3)
+        # Control points are as near to the ring as triangles are small.
+        around = np.hypot(points[:, 0], points[:, 1])
+        self.assertLess(np.median(np.abs(np.hypot(around - 3, points[:, 2]) - 1)), 0.02)
+        for options in (("--style", "wire"), ("--style", "wire", "--level", 0), ("--style", "surface"), ()):
+            picture = self.path("ring.png")
+            self.assertEqual(self.json("render", file, picture, "--width", 200, *options)["width"], 200)
+        # The same surface of the mesh with its texture coordinates.
+        again, report = self.encoded(mesh, "--scheme", "powell-sabin", "--uv")
+        self.assertEqual(report["vertices"], 800)
+        self.assertLess(np.max(self.off(again, self.data)), 1e-12)
+
+    def test_seams_of_texture_coordinates(self):
+        mesh = self.path("seam.obj")
+        with open(mesh, "w", encoding="ascii") as file:
+            file.write("v 0 0 0\nv 1 0 1\nv 0 1 2\nv 1 1 4\n"
+                       "vt 0 0\nvt 1 0\nvt 0 1\nvt 5 0\nvt 5 1\nvt 4 1\n"
+                       "f 1/1 2/2 3/3\nf 2/4 4/5 3/6\n")
+        file, report = self.encoded(mesh, "--scheme", "powell-sabin", "--uv")
+        self.assertEqual((report["vertices"], report["triangles"]), (6, 2))
+        found = self.evaluated(file, [(1, 0), (5, 0), (4, 1), (0, 1), (5, 1), (3, 0)])
+        np.testing.assert_allclose(found[:5], [(1, 0, 1), (1, 0, 1), (0, 1, 2), (0, 1, 2), (1, 1, 4)], atol=1e-12)
+        self.assertTrue(np.isnan(found[5]).all())
+        self.refuse(2, "encode", mesh, file, "--uv", says="--uv is for meshes")
+        bare = self.path("bare.obj")
+        with open(bare, "w", encoding="ascii") as out:
+            out.write("v 0 0 0\nv 1 0 1\nv 0 1 2\nf 1 2 3\n")
+        self.refuse(1, "encode", bare, file, "--scheme", "powell-sabin", "--uv", says="no texture coordinates")
 
 
 class Decoding(Points):
@@ -504,6 +632,47 @@ class Looking(Points):
             self.refuse(2, "edit", self.file, self.path("no.relief"), "--level", 1, "--move", move,
                         says="INDEX:DZ[,DX,DY]")
         self.refuse(2, "edit", self.file, self.path("no.relief"), "--level", 1, "--move", "999:1", says="vert")
+
+    def test_scripts_are_lists_of_moves(self):
+        by_options, by_script = self.path("options.relief"), self.path("script.relief")
+        self.json("edit", self.file, by_options, "--level", 1, "--move", "3:1.5,0.25,-0.5", "--move", "0:2")
+        script = self.script([{"level": 1, "index": 3, "delta": [1.5, 0.25, -0.5]},
+                              {"level": 1, "index": 0, "delta": 2}])
+        report = self.json("edit", self.file, by_script, "--script", script)
+        self.assertEqual((report["moved"], report["edits"]), (2, 2))
+        self.assertEqual(contents_of(by_options), contents_of(by_script))
+        good = {"level": 1, "index": 3, "delta": 1}
+        for change in ({"delta": [1, 2]}, {"delta": []}, {"delta": "1"}, {"index": "3"}, {"level": 1.5},
+                       {"component": "x"}):
+            with self.subTest(change=change):
+                bad = self.script([good, {**good, **change}])
+                self.refuse(1, "edit", self.file, by_script, "--script", bad, says=f"{bad}, move 2")
+        for change in ({"index": 999}, {"index": -1}, {"level": 5}, {"level": -1}, {"component": 1}):
+            with self.subTest(change=change):
+                bad = self.script([good, {**good, **change}])
+                self.refuse(2, "edit", self.file, by_script, "--script", bad, says=f"{bad}, move 2")
+        self.refuse(1, "edit", self.file, by_script, "--script", self.script([7]), says="move 1")
+        self.refuse(1, "edit", self.file, by_script, "--script", self.script({"no": []}), says="list of moves")
+
+    def test_scripts_move_surfaces_in_space(self):
+        rows = scattered(50, quadratic)
+        space = self.points(np.hstack([rows, rows[:, :2]]), "space.xyz")
+        file, _ = self.fitted(space, "--columns", "1,2,3,4,5")
+        places = rows[:, :2]
+        script = self.script({"moves": [{"level": 0, "index": 7, "component": 1, "delta": [1, 0.5, 0]}]})
+        moved = self.path("moved.relief")
+        self.json("edit", file, moved, "--script", script)
+        change = self.evaluated(moved, places) - self.evaluated(file, places)
+        # Vertex 7 is one of the points, and only y changes there.
+        np.testing.assert_allclose(np.sort(change[:, 1])[-2:], [0, 1], atol=1e-12)
+        np.testing.assert_array_equal(change[:, [0, 2]], 0)
+        self.refuse(2, "edit", file, moved, "--level", 0, "--move", "7:1", says="--script")
+
+    def script(self, moves):
+        path = self.path("moves.json")
+        with open(path, "w", encoding="ascii") as file:
+            json.dump(moves, file)
+        return path
 
     def table(self, file, level):
         self.json("decode", file, self.path("table.csv"), "--level", level)

@@ -117,7 +117,7 @@ TEST(HostilePs, HeaderMembersOutOfRangeAreNamed) {
                                                  {"/base/vertices", "4294967296", "too many"},
                                                  {"/base/vertices", "2147483647", "too small"},
                                                  {"/base/vertices", "11", "damaged"},
-                                                 {"/base/triangles", "100", "too small"},
+                                                 {"/base/triangles", "100", "more triangles"},
                                                  {"/base/triangles", "3", "damaged"},
                                                  {"/base/digits", "16", "digits"},
                                                  {"/base/digits", "\"x\"", "digits"},
@@ -135,6 +135,9 @@ TEST(HostilePs, HeaderMembersOutOfRangeAreNamed) {
                                                  {"/values", "[]", "lattices"},
                                                  {"/details/step", "0", "step"},
                                                  {"/details/law", "\"moon\"", "newer version"},
+                                                 {"/georeference", "7", "georeference"},
+                                                 {"/georeference/crs", "4326", "crs"},
+                                                 {"/unit", "[]", "unit"},
                                                  {"/goal/value", "[]", "value"}}) {
         const bool of_splines = path.starts_with("/details") || path.starts_with("/scheme/");
         const ContainerReader reader = *ContainerReader::open(of_splines ? splines : values);

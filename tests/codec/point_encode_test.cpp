@@ -17,7 +17,7 @@ struct Data {
     std::vector<double> values;
     std::vector<double> weights;
 
-    [[nodiscard]] ps::ScatteredData view() const { return {points, values, weights}; }
+    [[nodiscard]] PsData view() const { return {points, {values}, weights}; }
 };
 
 double wave(Vec2 p) {
@@ -162,7 +162,7 @@ TEST(PointEncode, Errors) {
         return result.ok() ? "none"
                            : result.error().message.substr(0, result.error().message.find(':'));
     };
-    EXPECT_EQ(code_of(encode_points({data.points, {}, {}}, Interpolation{})), "size_mismatch");
+    EXPECT_EQ(code_of(encode_points({data.points, {{}}, {}}, Interpolation{})), "size_mismatch");
     EXPECT_EQ(code_of(encode_points(data.view(), Approximation{std::size_t{9}, 12})),
               "too_many_elements");
     EXPECT_EQ(code_of(encode_points(data.view(), Approximation{std::size_t{9}},

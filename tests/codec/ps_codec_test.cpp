@@ -463,6 +463,18 @@ TEST(PsCodec, MovesThatDoNotExist) {
     }
 }
 
+TEST(PsCodec, FilesKeepWhatNumbersAre) {
+    PsModel model = franke_values(30, true);
+    const PsFile plain = *PsFile::open(encode_ps(model, {})->bytes);
+    EXPECT_EQ(plain.reference(), PsReference());
+    model.reference = {"EPSG:32633", "m"};
+    const Bytes bytes = encode_ps(model, {})->bytes;
+    EXPECT_EQ(PsFile::open(bytes)->reference(), model.reference);
+    EXPECT_EQ(PsFile::open(*add_ps_moves(bytes, {{0, 3, 0, 1, {}}}))->reference(), model.reference);
+    model.reference.unit = "\xB0";  // a degree sign that is not UTF-8
+    EXPECT_EQ(PsFile::open(encode_ps(model, {})->bytes)->reference().unit, "\uFFFD");
+}
+
 TEST(PsCodec, BadModelsAreNamed) {
     const PsModel good = franke_splines(1);
     const auto refused = [](const PsModel& model, const std::string& name) {

@@ -28,7 +28,7 @@ TEST(Points, BlanksCommasAndSemicolons) {
           "\xEF\xBB\xBF\"1\",\"2\",3\n-4.5,5e2,.25", "1 2 3 1 1\n-4.5 5e2 .25 2 1\n"}) {
         const PointSet set = points(text);
         EXPECT_EQ(set.places, places) << text;
-        EXPECT_EQ(set.values, values) << text;
+        EXPECT_EQ(set.values[0], values) << text;
         EXPECT_TRUE(set.weights.empty());
     }
 }
@@ -36,7 +36,7 @@ TEST(Points, BlanksCommasAndSemicolons) {
 TEST(Points, NamesOfColumns) {
     const auto same = [](const PointSet& set) {
         EXPECT_EQ(set.places, (Places{{1, 2}, {4, 5}}));
-        EXPECT_EQ(set.values, (std::vector<double>{3, 6}));
+        EXPECT_EQ(set.values[0], (std::vector<double>{3, 6}));
     };
     same(points("x,y,z\n1,2,3\n4,5,6"));
     same(points("X Y Z\n1 2 3\n4 5 6"));
@@ -51,15 +51,20 @@ TEST(Points, NamesOfColumns) {
 
 TEST(Points, ColumnsOfChoice) {
     const std::string text = "id,x,y,z,sigma,temp\n7,1,2,3,4,5\n";
-    const PointSet temperature = points(text, {.value = "TEMP", .weight = "sigma"});
-    EXPECT_EQ(temperature.values, (std::vector<double>{5}));
+    const PointSet temperature = points(text, {.values = {"TEMP"}, .weight = "sigma"});
+    EXPECT_EQ(temperature.values[0], (std::vector<double>{5}));
     EXPECT_EQ(temperature.weights, (std::vector<double>{4}));
-    EXPECT_EQ(points(text, {.x = "1", .value = "2"}).places, (Places{{7, 2}}));
-    EXPECT_EQ(points(text, {.x = "1", .value = "2"}).values, (std::vector<double>{1}));
-    const PointSet numbers = points("7 1 2 3\n", {.x = "2", .y = "3", .value = "4", .weight = "1"});
+    EXPECT_EQ(points(text, {.x = "1", .values = {"2"}}).places, (Places{{7, 2}}));
+    EXPECT_EQ(points(text, {.x = "1", .values = {"2"}}).values[0], (std::vector<double>{1}));
+    const PointSet numbers =
+        points("7 1 2 3\n", {.x = "2", .y = "3", .values = {"4"}, .weight = "1"});
     EXPECT_EQ(numbers.places, (Places{{1, 2}}));
-    EXPECT_EQ(numbers.values, (std::vector<double>{3}));
+    EXPECT_EQ(numbers.values[0], (std::vector<double>{3}));
     EXPECT_EQ(numbers.weights, (std::vector<double>{7}));
+    const PointSet space = points("u,v,x,y,z\n1,2,3,4,5\n6,7,8,9,0\n",
+                                  {.x = "u", .y = "v", .values = {"x", "y", "5"}});
+    EXPECT_EQ(space.places, (Places{{1, 2}, {6, 7}}));
+    EXPECT_EQ(space.values, (std::vector<std::vector<double>>{{3, 8}, {4, 9}, {5, 0}}));
     const PointSet places = points("1 2\n3 4 nothing\n", {.values_needed = false});
     EXPECT_EQ(places.places, (Places{{1, 2}, {3, 4}}));
     EXPECT_TRUE(places.values.empty());
@@ -83,8 +88,8 @@ TEST(Points, ErrorsNameTheLine) {
     refuse("a,b,c\n1,2,3\n", "a.csv, line 1",
            "no column is called x or the like; it has 'a', 'b', 'c'");
     refuse("x,y\n1,2\n", "a.csv, line 1", "no column of values");
-    refuse("x,y,z\n1,2,3\n", "a.csv, line 1", "no column is called 'q'", {.value = "q"});
-    refuse("x,y,z\n1,2,3\n", "a.csv, line 2", "value (column 9) is missing", {.value = "9"});
+    refuse("x,y,z\n1,2,3\n", "a.csv, line 1", "no column is called 'q'", {.values = {"q"}});
+    refuse("x,y,z\n1,2,3\n", "a.csv, line 2", "value (column 9) is missing", {.values = {"9"}});
     refuse("1 2 3 -1\n", "a.csv, line 1", "weight (column 4) is negative", {.weight = "4"});
     refuse("1 2 3\n" + std::string(1100000, ' ') + "\n", "a.csv, line 2", "longer than a megabyte");
     refuse("1 2 3\n" + std::string(1100000, '7'), "a.csv, line 2", "longer than a megabyte");
@@ -109,7 +114,7 @@ TEST_F(PointFiles, LinesAcrossPieces) {
     ASSERT_EQ(set.places.size(), 300000u);
     for (int k = 0; k < 300000; ++k) {
         ASSERT_EQ(set.places[k], (Vec2{double(k), k * 0.5}));
-        ASSERT_EQ(set.values[k], k % 977);
+        ASSERT_EQ(set.values[0][k], k % 977);
     }
     write("a.xyz", text + "1 2\n");
     expect_refused(read_points(path("a.xyz")), path("a.xyz") + ", line 300002", "is missing");
@@ -136,7 +141,7 @@ TEST_F(PointFiles, ResultsAreReadBackAsTheyWere) {
               "x,y,value,slope\n0.1,0.3333333333333333,1,\n2000000,1e-300,2,7\n-0,5,3,8\n");
     const PointSet set = value_of(read_points(path("out.csv")));
     EXPECT_EQ(set.places, (Places{{x[0], y[0]}, {x[1], y[1]}, {x[2], y[2]}}));
-    EXPECT_EQ(set.values, value);
+    EXPECT_EQ(set.values[0], value);
     const std::vector<CsvColumn> uneven{{"x", x}, {"y", std::span(y).first(2)}};
     EXPECT_EQ(write_csv(path("bad.csv"), uneven).error().code, ErrorCode::InvalidArgument);
     EXPECT_EQ(write_csv(path("none/out.csv"), columns).error().code, ErrorCode::CannotWrite);

@@ -6,10 +6,10 @@
 #include <limits>
 
 #include "franke.h"
-#include "multires/ps_normal.h"
 #include "relief/core/parallel.h"
 #include "relief/mesh/delaunay.h"
 #include "relief/mesh/triangle_locator.h"
+#include "relief/multires/ps_energy.h"
 #include "support.h"
 
 namespace relief::multires::ps {
@@ -73,18 +73,11 @@ Coefficients exact_quadratic(const Space& space) {
     return coefficients(space, planes);
 }
 
-double energy_of(const NormalMatrix& matrix, const mesh::VertexStars& graph,
-                 const Coefficients& spline) {
+double energy_of(const BlockMatrix& matrix, const Coefficients& spline) {
+    const Coefficients image = matrix.times(spline);
     double sum = 0;
-    const auto add = [&](const Block3& block, const Heights& a, const Heights& b) {
-        for (std::size_t i = 0; i < 3; ++i)
-            for (std::size_t j = 0; j < 3; ++j) sum += a[i] * block[3 * i + j] * b[j];
-    };
-    for (Index v = 0; v < spline.size(); ++v) {
-        add(matrix.diagonal[v], spline[v], spline[v]);
-        for (std::size_t k = graph.first[v]; k < graph.first[v + 1]; ++k)
-            add(matrix.off_diagonal[k], spline[v], spline[graph.items[k]]);
-    }
+    for (std::size_t v = 0; v < spline.size(); ++v)
+        for (std::size_t j = 0; j < 3; ++j) sum += spline[v][j] * image[v][j];
     return sum;
 }
 
@@ -96,15 +89,11 @@ TEST(PsFit, EnergiesOfAQuadratic) {
         const auto [a, b, c] = scene.space.mesh.corners(t);
         area += 0.5 * cross(b - a, c - a);
     }
-    const auto near = coupling(scene.space.mesh, Energy::ThinPlate);
-    const double plate =
-        energy_of(energy_matrix(scene.space, near, Energy::ThinPlate), near, spline);
+    const double plate = energy_of(thin_plate_matrix(scene.space), spline);
     // Second derivatives 6, -1 and 4; section 14 asks for 1e-9.
     EXPECT_NEAR(plate / (area * (36 + 2 + 16)), 1, 1e-9);
-    const auto far = coupling(scene.space.mesh, Energy::Jump);
-    const double jump = energy_of(energy_matrix(scene.space, far, Energy::Jump), far, spline);
     // Zero but for cancellation among squares, which are as large as the plate's energy.
-    EXPECT_LT(std::abs(jump), 1e-9 * plate);
+    EXPECT_LT(std::abs(energy_of(jump_matrix(scene.space), spline)), 1e-9 * plate);
 }
 
 TEST(PsFit, QuadraticsWithoutSmoothing) {
@@ -179,6 +168,34 @@ TEST(PsFit, WeightsCountAsRepeatedPoints) {
     EXPECT_NEAR(weighted->report.rms_error, repeated->report.rms_error, 1e-12);
     for (std::size_t v = 0; v < weighted->spline.size(); ++v)
         EXPECT_NEAR(weighted->spline[v][0], repeated->spline[v][0], 1e-9);
+}
+
+TEST(PsFit, WithoutDataThereIsTheTrend) {
+    // Data in the left half only, far above zero: next to nothing of the smoothing is left.
+    Scene scene(9, 2000);
+    Scene left = scene;
+    left.points.clear();
+    left.triangles.clear();
+    for (std::size_t k = 0; k < scene.points.size(); ++k) {
+        if (scene.points[k].x > 0.5) continue;
+        left.points.push_back(scene.points[k]);
+        left.triangles.push_back(scene.triangles[k]);
+    }
+    const auto far_linear = [](Vec2 p) { return 1000 + linear(p); };
+    const auto far_quadratic = [](Vec2 p) { return 1000 + quadratic(p); };
+    std::vector<double> at(scene.points.size());
+    const auto worst = [&](Energy energy, const std::vector<double>& known,
+                           const std::vector<double>& expected) {
+        const auto fit = LeastSquares::create(left.space, left.sites(), energy)->fit(known, 1e-30);
+        LeastSquares::create(scene.space, scene.sites())->evaluate(fit->spline, at);
+        double most = 0;
+        for (std::size_t k = 0; k < at.size(); ++k)
+            most = std::max(most, std::abs(at[k] - expected[k]));
+        return most;
+    };
+    // Coefficients of polynomials that an extrapolation by the width of the data does not shake.
+    EXPECT_LT(worst(Energy::ThinPlate, left.values(far_linear), scene.values(far_linear)), 1e-8);
+    EXPECT_LT(worst(Energy::Jump, left.values(far_quadratic), scene.values(far_quadratic)), 1e-8);
 }
 
 TEST(PsFit, SameBitsForAnyThreadCount) {

@@ -51,6 +51,7 @@ TEST(PsEnergy, Golden) {
         near(thin_plate_energy(space, spline), expected["thin_plate"]);
         near(product(thin_plate_matrix(space), spline, spline), expected["thin_plate"]);
         near(jump_energy(space, spline), expected["jump"]);
+        near(product(jump_matrix(space), spline, spline), expected["jump"]);
         double integral = 0;
         double trace = 0;
         double area = 0;

@@ -57,7 +57,8 @@ void expect_same_as_steps(const test::Shape& shape, const MeshSpec& spec, const 
     Subdivider subdivider;
     ASSERT_TRUE(subdivider.prepare(base, for_ever(tags), spec, steps).ok());
     const auto finest = finest_of(subdivider, points_of(shape));
-    const Topology& mesh = hierarchy->topology(steps);
+    const Topology& faces = hierarchy->topology(steps);
+    const Topology mesh = *mesh::build(mesh::faces_of(faces), faces.vertex_count);
     EXPECT_EQ(finest.corners, vector_of(mesh.origin));
     // Some roundings of coordinates up to 8.
     EXPECT_LT(test::distance(finest.points, expected), 2e-14);

@@ -107,4 +107,8 @@ class ContainerReader {
         std::make_shared<std::atomic<std::uint64_t>>(0);
 };
 
+/// What a file is a file of: "raster", "quadrangulation", "mesh" or "powell-sabin". Errors: as
+/// ContainerReader::open; BadFile for a header that does not say.
+[[nodiscard]] Result<std::string> content_of(std::shared_ptr<const ByteSource> source);
+
 }  // namespace relief::codec

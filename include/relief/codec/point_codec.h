@@ -8,12 +8,13 @@
 #include "relief/codec/ps_codec.h"
 #include "relief/multires/ps_adaptive.h"
 
-/// Surfaces through and near scattered points, as .relief files. Source: powell-sabin.md section
+/// Surfaces through and near scattered points, as .relief files: functions over the plane, or
+/// surfaces in space over a plane of parameters. Source: powell-sabin.md section
 /// 12; docs/scattered.md.
 namespace relief::codec {
 
 /// The spline through all points, on their Delaunay triangulation. Points at one place count as
-/// one, with the weighted mean of their values.
+/// one, with the weighted means of their values.
 struct Interpolation {
     multires::ps::GradientOptions gradients = {};
 };
@@ -24,13 +25,15 @@ struct Approximation {
     std::variant<std::size_t, mesh::Triangulation> base;
     int levels = 0;  ///< refinements of the base, each into nine times as many triangles
     std::optional<double> smoothing = {};  ///< none: by cross validation (multires/ps_fit.h)
+    multires::ps::Energy energy = multires::ps::Energy::ThinPlate;
 };
 
-/// A spline on some of the points, with more vertices where points are farther off than the goal,
-/// which is a largest error.
+/// A spline of one component on some of the points, with more vertices where points are farther off
+/// than the goal, which is a largest error.
 struct Insertion {
     std::size_t most_vertices = static_cast<std::size_t>(-1);
     std::optional<double> smoothing = {};  ///< above 0; none: 1e-10, or interpolation if smaller
+    multires::ps::Energy energy = multires::ps::Energy::ThinPlate;
 };
 
 using PointMethod = std::variant<Interpolation, Approximation, Insertion>;
@@ -45,17 +48,18 @@ struct EncodedPoints {
     std::string reason;       ///< why they are not; empty if there are none
 };
 
-/// Goals as encode_ps, measured at the points. None: for least squares the error of the spline may
+/// A spline of the components of the points' values, one to three. Goals as encode_ps, measured at
+/// the points. None: for least squares the error of the spline may
 /// grow by a thousandth, otherwise lossless. Insertion divides a largest error between spline
 /// and code as makes the smallest file of up to three; if the spline needs more than most_vertices,
 /// `beyond` says how many points are off, and the code adds a quarter of the bound at most.
 /// Errors: those of mesh::delaunay, multires::ps and encode_ps; BadInput `bound_not_reached` if a
 /// goal is out of reach, with the reason, `no_data` if no point lies on the base; InvalidArgument
-/// for an Insertion with another goal, and for a finest level of more than 2^23 vertices;
-/// Cancelled.
-[[nodiscard]] Result<EncodedPoints> encode_points(const multires::ps::ScatteredData& data,
-                                                  const PointMethod& method,
+/// for an Insertion with another goal or several components, and for a finest level of more than
+/// 2^23 vertices; Cancelled.
+[[nodiscard]] Result<EncodedPoints> encode_points(const PsData& data, const PointMethod& method,
                                                   std::optional<Goal> goal = {},
-                                                  const Progress& progress = {});
+                                                  const Progress& progress = {},
+                                                  const PsReference& reference = {});
 
 }  // namespace relief::codec

@@ -41,10 +41,19 @@ struct PsData {
     std::vector<double> weights = {};         ///< of the root mean square; empty: all 1
 };
 
+/// What coordinates and values are: kept for those who use the surface, not looked at.
+struct PsReference {
+    std::string crs = {};   ///< of x and y, as GeoReference::crs
+    std::string unit = {};  ///< of the values: "m", "ft"; empty: unknown
+
+    friend bool operator==(const PsReference&, const PsReference&) = default;
+};
+
 struct PsModel {
     mesh::Triangulation base;
     std::variant<PsValues, PsSplines> surface;
     PsData data = {};
+    PsReference reference = {};
 };
 
 struct PsEncodeOptions {
@@ -136,6 +145,7 @@ class PsFile {
     [[nodiscard]] int levels() const;
     [[nodiscard]] int components() const;
     [[nodiscard]] Goal goal() const;
+    [[nodiscard]] const PsReference& reference() const;
     /// Values at vertices, or coefficients.
     [[nodiscard]] bool holds_values() const;
     [[nodiscard]] bool lossless() const;  ///< no bit of the surface differs from the model's

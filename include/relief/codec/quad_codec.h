@@ -149,8 +149,4 @@ class QuadFile {
 /// The same file with `moves` added to those it has. Errors: those of QuadFile::check; BadFile.
 [[nodiscard]] Result<Bytes> add_quad_moves(Bytes file, const std::vector<QuadMove>& moves);
 
-/// What a file is a file of: "raster", "quadrangulation". Errors: as ContainerReader::open; BadFile
-/// for a header that does not say.
-[[nodiscard]] Result<std::string> content_of(std::shared_ptr<const ByteSource> source);
-
 }  // namespace relief::codec

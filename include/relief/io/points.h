@@ -19,15 +19,15 @@ namespace relief::io {
 struct PointColumns {
     std::string x = {};
     std::string y = {};
-    std::string value = {};
+    std::vector<std::string> values = {};  ///< of each component; none: there is one
     std::string weight = {};
     bool values_needed = true;  ///< false: a file of places, without values and weights
 };
 
-/// Samples of a function over the plane. All numbers are finite.
+/// Samples of functions over the plane. All numbers are finite.
 struct PointSet {
     std::vector<Vec2> places;
-    std::vector<double> values;   ///< of each place; empty if they were not needed
+    std::vector<std::vector<double>> values;  ///< [component][place]; empty if not needed
     std::vector<double> weights;  ///< of each place, not negative; empty if the file has none
 };
 

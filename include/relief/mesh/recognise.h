@@ -55,6 +55,11 @@ class Recognition {
     /// In how many ways component k is split: at most four. Regular tori have several, and closed
     /// Catmull-Clark meshes where coarse vertices and face points may be exchanged.
     [[nodiscard]] std::size_t ways(std::size_t k) const { return ways_[k].size(); }
+    /// Whether the coarser faces of component k have, in one of its ways, as many corners as those
+    /// that a split makes: else its coarser mesh comes from no other.
+    [[nodiscard]] bool is_uniform(std::size_t k, std::size_t way) const {
+        return (uneven_[k] >> ways_[k][way] & 1) == 0;
+    }
     /// The component of each fine face.
     [[nodiscard]] const Components& parts() const { return parts_; }
     /// Every component has a way.
@@ -83,6 +88,7 @@ class Recognition {
     std::vector<std::uint8_t> labels_;  ///< [face]: which of its corners are old ones, in all ways
     std::vector<bool> paired_;          ///< [component]: its labels are those of the only way
     std::vector<std::vector<std::size_t>> ways_;     ///< [component]: those that it has
+    std::vector<std::uint8_t> uneven_;               ///< [component]: a bit a way: not uniform
     std::vector<std::string> reasons_;               ///< [component]: why it has none
     std::vector<std::size_t> last_ways_;             ///< [component]: those checked last,
     std::unique_ptr<const CoarseFaces> last_faces_;  ///< and their faces

@@ -33,7 +33,9 @@ struct MeshSpec {
 /// vertices keep their numbers from one depth to the next.
 class MeshHierarchy {
   public:
-    /// Errors: those of step_rules and mesh::refine. Complexity: O(finest mesh).
+    /// The finest level has its faces alone, where no step follows that would ask for more: `twin`
+    /// and `edge` are empty, unless the base is the finest level or has sharp edges. Errors: those
+    /// of step_rules and mesh::refine. Complexity: O(finest mesh).
     [[nodiscard]] static Result<MeshHierarchy> create(mesh::Topology base, MeshTags tags,
                                                       const MeshSpec& spec, int steps);
 
@@ -64,11 +66,22 @@ struct MeshOrigin {
     MeshTags tags;  ///< of the base
     MeshSpec spec;
     int steps = 0;
-    /// For each half-edge of the finest level of the hierarchy that of the mesh: this tells the
-    /// numbers of its vertices and faces, and which of a face's corners was the first.
-    Buffer<mesh::Index> half_edges;
+    /// For each face of the finest level of the hierarchy the half-edge of the mesh that it begins
+    /// with: this tells the numbers of its vertices and faces as well. Empty: both count alike.
+    Buffer<mesh::Index> corners;
     /// Sharp edges of the mesh, inside it, of which no edge of the base is the origin.
     std::vector<mesh::Index> lost_creases;
+
+    /// Of the mesh, for half-edge h of the finest level.
+    [[nodiscard]] mesh::Index half_edge(mesh::Index h) const {
+        if (corners.size() == 0) return h;
+        const auto sides = static_cast<mesh::Index>(mesh::sides_after(spec.split(0)));
+        const mesh::Index first = corners[h / sides];
+        const mesh::Index turn = first % sides;
+        return first - turn + (turn + h % sides) % sides;
+    }
+    /// The finest level and the mesh count alike.
+    [[nodiscard]] bool in_order() const;
 };
 
 /// Goes down as many steps as the mesh has and `most` allows. Where components can be seen as split

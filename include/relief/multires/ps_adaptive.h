@@ -29,7 +29,8 @@ struct AdaptiveOptions {
     /// Vertices to begin with, beside those of the convex hull.
     std::size_t first_vertices = 16;
     std::size_t most_vertices = static_cast<std::size_t>(-1);
-    double smoothing = 1e-10;  ///< as FitOptions; above 0
+    double smoothing = 1e-10;  ///< as LeastSquares::fit; above 0
+    Energy energy = Energy::ThinPlate;
     /// Called with the part of the points that are within the bound; false cancels.
     std::function<bool(double)> progress = {};
 };

@@ -12,9 +12,14 @@
 namespace relief::multires::ps {
 
 /// A symmetric matrix of all B-splines, by blocks: entry (3i + j, 3k + l) is number 3j + l of the
-/// block of vertices i and k, which are equal or joined by an edge.
+/// block of vertices i and k, which are equal or coupled.
 struct BlockMatrix {
     using Block = std::array<double, 9>;
+
+    BlockMatrix() = default;
+    /// Zero; `coupled` are the vertices of each row but its own, ascending.
+    explicit BlockMatrix(const mesh::VertexStars& coupled);
+
     std::vector<std::size_t> first;   ///< row i has entries first[i] .. first[i + 1] - 1
     std::vector<mesh::Index> column;  ///< ascending in each row
     std::vector<Block> block;
@@ -25,14 +30,23 @@ struct BlockMatrix {
     }
     /// The block of two vertices; nullptr if it is zero.
     [[nodiscard]] const Block* find(mesh::Index row, mesh::Index col) const;
+    /// Requires: equal or coupled vertices.
+    [[nodiscard]] Block& at(mesh::Index row, mesh::Index col);
+    /// Adds a matrix of the nine B-splines of three vertices that are coupled.
+    void add(const std::array<mesh::Index, 3>& vertices, const spline::PsMatrix& element);
     /// The product with coefficients. Requires: one element a row.
     [[nodiscard]] Coefficients times(std::span<const Heights> spline) const;
 };
 
-/// Integrals of products of B-splines; of s_xx t_xx + 2 s_xy t_xy + s_yy t_yy. Complexity: O(n);
-/// memory: about 500 bytes a vertex.
+/// Integrals of products of B-splines; of s_xx t_xx + 2 s_xy t_xy + s_yy t_yy. Vertices are coupled
+/// by edges. Complexity: O(n); memory: about 500 bytes a vertex.
 [[nodiscard]] BlockMatrix gram_matrix(const Space& space);
 [[nodiscard]] BlockMatrix thin_plate_matrix(const Space& space);
+/// jump_energy as a quadratic form. Vertices are coupled by edges, and across them. Complexity: O(n
+/// log n), one thread.
+[[nodiscard]] BlockMatrix jump_matrix(const Space& space);
+/// The vertices of each vertex's edges, and those on the other sides of the edges opposite it.
+[[nodiscard]] mesh::VertexStars jump_coupling(const mesh::Triangulation& mesh);
 
 /// The integral of s_xx^2 + 2 s_xy^2 + s_yy^2, in squared value units per squared coordinate unit;
 /// 0 for planes. Requires: a checked spline.

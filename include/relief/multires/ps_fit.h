@@ -24,23 +24,19 @@ enum class Energy {
     Jump,       ///< the jumps of the second derivatives
 };
 
-struct FitOptions {
-    Energy energy = Energy::ThinPlate;
-    /// The weight of the energy, without a unit: error = mean square residual + smoothing x area x
-    /// energy. None: that of the powers of ten from 1e-12 to 1e-3 by which data left out are
-    /// predicted best (generalised cross validation).
-    std::optional<double> smoothing = {};
-};
-
 struct FitReport {
     double smoothing = 0;
-    double rms_error = 0;   ///< at the points, weighted
-    double max_error = 0;   ///< of the points of positive weight
+    double rms_error = 0;   ///< at the points, weighted; of all components
+    double max_error = 0;   ///< of the points of positive weight and any component
     std::size_t worst = 0;  ///< the point of the largest error
 };
 
 struct FittedSpline {
     Coefficients spline;
+    FitReport report;
+};
+struct FittedSplines {
+    std::vector<Coefficients> components;
     FitReport report;
 };
 
@@ -50,20 +46,28 @@ class LeastSquares {
     /// The space must outlive this. Errors: `size_mismatch`; `non_finite_input` and
     /// InvalidArgument for a weight that is negative, naming the point; `no_data` if there is no
     /// point of positive weight.
-    /// Complexity: O(points) and O(n^1.5) memory-light pattern of the factors, O(n log n) numbers.
+    /// Complexity: O(points + n).
     [[nodiscard]] static Result<LeastSquares> create(const Space& space, const DataSites& sites,
                                                      Energy energy = Energy::ThinPlate);
     LeastSquares(LeastSquares&&) noexcept;
     LeastSquares& operator=(LeastSquares&&) noexcept;
     ~LeastSquares();
 
-    /// Errors: `size_mismatch`, `non_finite_input` naming the point; InvalidArgument for smoothing
-    /// that is negative or not a number; BadInput `singular_system` naming a vertex whose
+    /// `smoothing` is the weight of the energy, without a unit: mean square residual + smoothing x
+    /// area x energy is least. None: that of the powers of ten from 1e-12 to 1e-3 by which data
+    /// left out are predicted best (generalised cross validation). Where neither data nor smoothing
+    /// determine the spline, it is the polynomial nearest to the data that the energy does not
+    /// penalise. Errors: `size_mismatch`, `non_finite_input` naming the point; InvalidArgument for
+    /// smoothing that is negative or not a number; BadInput `singular_system` naming a vertex whose
     /// B-splines the data do not determine without smoothing, or "points" that lie on a line (or,
-    /// for jumps, on a conic). Complexity: O(points + n^1.5) for given smoothing, ten
-    /// to twelve times that for none. The same bits for any number of threads.
+    /// for jumps, on a conic). Complexity: O(points + n^1.5) for given smoothing, ten to twelve
+    /// times that for none, on two threads. The same bits for any number of threads.
     [[nodiscard]] Result<FittedSpline> fit(std::span<const double> values,
                                            std::optional<double> smoothing = {}) const;
+    /// The same for several components, which get the same smoothing: where they are a surface in
+    /// space, it does not depend on the directions of the axes.
+    [[nodiscard]] Result<FittedSplines> fit(std::span<const std::span<const double>> components,
+                                            std::optional<double> smoothing = {}) const;
 
     /// Values of a spline at the sites.
     void evaluate(std::span<const Heights> spline, std::span<double> out) const;
