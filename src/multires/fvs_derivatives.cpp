@@ -17,18 +17,6 @@ constexpr std::int64_t kGrain = 256;
 constexpr double kDetermined = 1e-3;  ///< smallest pivot of a fit that determines a quadratic
 constexpr double kPlanePivot = 1e-14;
 
-/// s(x) = value + gradient . d + (xx dx^2 + 2 xy dx dy + yy dy^2) / 2, d = x - vertex.
-struct Quadratic {
-    Vec2 gradient;
-    double xx = 0;
-    double xy = 0;
-    double yy = 0;
-
-    [[nodiscard]] Vec2 gradient_at(Vec2 d) const {
-        return {gradient.x + xx * d.x + xy * d.y, gradient.y + xy * d.x + yy * d.y};
-    }
-};
-
 struct Neighbour {
     Vec2 offset;
     double rise = 0;
@@ -36,8 +24,8 @@ struct Neighbour {
 
 /// The first `unknowns` (2: a plane, 5: a quadratic) of gradient and Hessian through the origin.
 /// Distances are divided by their mean, so that pivots do not depend on units.
-std::optional<Quadratic> fit_through_origin(const std::vector<Neighbour>& neighbours,
-                                            std::size_t unknowns, double smallest_pivot) {
+std::optional<VertexQuadratic> fit_through_origin(const std::vector<Neighbour>& neighbours,
+                                                  std::size_t unknowns, double smallest_pivot) {
     double size = 0;
     for (const Neighbour& n : neighbours) size += length(n.offset);
     size /= static_cast<double>(neighbours.size());
@@ -57,72 +45,64 @@ std::optional<Quadratic> fit_through_origin(const std::vector<Neighbour>& neighb
     if (!cholesky) return std::nullopt;
     cholesky->solve(x.data());
     const double squared = size * size;
-    return Quadratic{{x[0] / size, x[1] / size}, x[2] / squared, x[3] / squared, x[4] / squared};
+    return VertexQuadratic{
+        {x[0] / size, x[1] / size}, x[2] / squared, x[3] / squared, x[4] / squared};
 }
 
-/// The quadratics at the vertices of one mesh.
-class LocalFit {
-  public:
-    LocalFit(const Quadrangulation& mesh, std::span<const double> values)
-        : mesh_(mesh), values_(values), quads_(mesh::vertex_quads(mesh)) {}
-
-    [[nodiscard]] Quadratic at(Index v) const {
-        const std::vector<Index> first = ring({v});
-        if (const auto fit = fit_through_origin(neighbours(v, first), 5, kDetermined)) return *fit;
-        if (const auto fit = fit_through_origin(neighbours(v, ring(first)), 5, kDetermined))
-            return *fit;
-        return fit_through_origin(neighbours(v, first), 2, kPlanePivot).value_or(Quadratic{});
-    }
-
-  private:
-    /// All vertices of the quads at the given ones, ascending.
-    [[nodiscard]] std::vector<Index> ring(const std::vector<Index>& vertices) const {
-        std::vector<Index> found;
-        for (const Index v : vertices)
-            for (const Index q : quads_.of(v))
-                found.insert(found.end(), mesh_.quads[q].begin(), mesh_.quads[q].end());
-        std::sort(found.begin(), found.end());
-        found.erase(std::unique(found.begin(), found.end()), found.end());
-        return found;
-    }
-
-    [[nodiscard]] std::vector<Neighbour> neighbours(Index v,
-                                                    const std::vector<Index>& vertices) const {
-        std::vector<Neighbour> list;
-        for (const Index w : vertices)
-            if (w != v)
-                list.push_back({mesh_.vertex(w) - mesh_.vertex(v), values_[w] - values_[v]});
-        return list;
-    }
-
-    const Quadrangulation& mesh_;
-    std::span<const double> values_;
-    mesh::VertexQuads quads_;
-};
+std::vector<Neighbour> neighbours(const Quadrangulation& mesh, std::span<const double> values,
+                                  Index v, const std::vector<Index>& vertices) {
+    std::vector<Neighbour> list;
+    list.reserve(vertices.size());
+    for (const Index w : vertices)
+        if (w != v) list.push_back({mesh.vertex(w) - mesh.vertex(v), values[w] - values[v]});
+    return list;
+}
 
 }  // namespace
+
+std::vector<Index> LocalInterpolation::ring(std::span<const Index> vertices) const {
+    std::vector<Index> found;
+    for (const Index v : vertices)
+        for (const Index q : quads_.of(v))
+            found.insert(found.end(), mesh_->quads[q].begin(), mesh_->quads[q].end());
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    return found;
+}
+
+VertexQuadratic LocalInterpolation::quadratic(std::span<const double> values, Index v) const {
+    const std::vector<Index> first = ring({&v, 1});
+    const std::vector<Neighbour> near = neighbours(*mesh_, values, v, first);
+    if (const auto fit = fit_through_origin(near, 5, kDetermined)) return *fit;
+    const std::vector<Neighbour> far = neighbours(*mesh_, values, v, ring(first));
+    if (const auto fit = fit_through_origin(far, 5, kDetermined)) return *fit;
+    return fit_through_origin(near, 2, kPlanePivot).value_or(VertexQuadratic{});
+}
+
+double LocalInterpolation::normal(Index e, const VertexQuadratic& from,
+                                  const VertexQuadratic& to) const {
+    const Vec2 half = 0.5 * mesh_->edge_vector(e);
+    const Vec2 gradient = midpoint(from.gradient_at(half), to.gradient_at(-1.0 * half));
+    return dot(gradient, turned(unit(mesh_->edge_vector(e))));
+}
 
 Result<NodalData> interpolate_values(const Quadrangulation& mesh, std::span<const double> values) {
     NodalData data = make_nodal<double>(mesh);
     data.value.assign(values.begin(), values.end());
     RELIEF_CHECK(check(mesh, data));
-    const LocalFit local(mesh, values);
-    std::vector<Quadratic> fits(values.size());
+    const LocalInterpolation local(mesh);
+    std::vector<VertexQuadratic> fits(values.size());
     parallel_for(0, static_cast<std::int64_t>(values.size()), kGrain,
                  [&](std::int64_t first, std::int64_t last) {
                      for (std::int64_t v = first; v < last; ++v)
-                         fits[v] = local.at(static_cast<Index>(v));
+                         fits[v] = local.quadratic(values, static_cast<Index>(v));
                  });
     for (Index v = 0; v < mesh.vertex_count(); ++v) {
         data.dx[v] = fits[v].gradient.x;
         data.dy[v] = fits[v].gradient.y;
     }
-    for (Index e = 0; e < mesh.edge_count(); ++e) {
-        const auto [a, b] = mesh.edges[e];
-        const Vec2 half = 0.5 * mesh.edge_vector(e);
-        const Vec2 gradient = midpoint(fits[a].gradient_at(half), fits[b].gradient_at(-1.0 * half));
-        data.normal[e] = dot(gradient, turned(unit(mesh.edge_vector(e))));
-    }
+    for (Index e = 0; e < mesh.edge_count(); ++e)
+        data.normal[e] = local.normal(e, fits[mesh.edges[e][0]], fits[mesh.edges[e][1]]);
     RELIEF_CHECK(check(mesh, data));
     return data;
 }

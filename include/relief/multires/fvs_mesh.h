@@ -88,6 +88,44 @@ struct Decomposition {
 [[nodiscard]] Result<NodalData> interpolate_values(const mesh::Quadrangulation& mesh,
                                                    std::span<const double> values);
 
+/// The quadratic through a vertex that interpolate_values fits there: value + gradient . d + (xx
+/// dx^2 + 2 xy dx dy + yy dy^2) / 2, d being the way from the vertex.
+struct VertexQuadratic {
+    Vec2 gradient;
+    double xx = 0;
+    double xy = 0;
+    double yy = 0;
+
+    [[nodiscard]] Vec2 gradient_at(Vec2 d) const {
+        return {gradient.x + xx * d.x + xy * d.y, gradient.y + xy * d.x + yy * d.y};
+    }
+    friend bool operator==(const VertexQuadratic&, const VertexQuadratic&) = default;
+};
+
+/// The parts of interpolate_values one by one, to the same bits: for values of which few change.
+/// Immutable; several threads may ask.
+class LocalInterpolation {
+  public:
+    /// The mesh must outlive this and keep its address. Complexity: O(n).
+    explicit LocalInterpolation(const mesh::Quadrangulation& mesh)
+        : mesh_(&mesh), quads_(mesh::vertex_quads(mesh)) {}
+
+    /// The quads at each vertex.
+    [[nodiscard]] const mesh::VertexQuads& quads() const { return quads_; }
+    /// All vertices of the quads at the given ones, ascending: of one vertex its 1-ring, of that
+    /// its 2-ring. A quadratic depends on values of the 2-ring at most.
+    [[nodiscard]] std::vector<mesh::Index> ring(std::span<const mesh::Index> vertices) const;
+    /// Requires: a value for each vertex of the mesh, finite.
+    [[nodiscard]] VertexQuadratic quadratic(std::span<const double> values, mesh::Index v) const;
+    /// The normal derivative at the middle of an edge from the quadratics of its ends.
+    [[nodiscard]] double normal(mesh::Index e, const VertexQuadratic& from,
+                                const VertexQuadratic& to) const;
+
+  private:
+    const mesh::Quadrangulation* mesh_;
+    mesh::VertexQuads quads_;
+};
+
 /// `size_mismatch` or `non_finite_data` (also beyond 1e150, where squares overflow), if there is
 /// such an error.
 [[nodiscard]] Status check(const mesh::Quadrangulation& mesh, const NodalData& data);
