@@ -1,6 +1,9 @@
 #include "edit/cell_mesh.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <iterator>
 
 namespace relief::edit {
 
@@ -67,7 +70,7 @@ std::vector<Index> CellMesh::neighbours(Index v) const {
         found.push_back(corners[(k + 1) % sides]);
         found.push_back(corners[(k + sides - 1) % sides]);
     }
-    sort_unique(found);
+    sort_unique(found, vertices.size());
     return found;
 }
 
@@ -77,7 +80,7 @@ std::vector<Index> CellMesh::cells_at(const std::vector<Index>& some) const {
         const auto star = vertex_cells.of(v);
         found.insert(found.end(), star.begin(), star.end());
     }
-    sort_unique(found);
+    sort_unique(found, cells.size());
     return found;
 }
 
@@ -88,13 +91,40 @@ std::vector<Index> CellMesh::edges_at(const std::vector<Index>& some) const {
             for (std::size_t i = 0; i < sides; ++i)
                 if (cells[c][i] == v || cells[c][(i + 1) % sides] == v)
                     found.push_back(cell_edges[c][i]);
-    sort_unique(found);
+    sort_unique(found, edges.size());
     return found;
 }
 
-void sort_unique(std::vector<Index>& numbers) {
-    std::sort(numbers.begin(), numbers.end());
-    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+std::vector<Index> CellMesh::corners_of(const std::vector<Index>& some) const {
+    std::vector<Index> found;
+    for (const Index c : some)
+        found.insert(found.end(), cells[c].begin(), cells[c].begin() + std::ptrdiff_t(sides));
+    sort_unique(found, vertices.size());
+    return found;
+}
+
+void sort_unique(std::vector<Index>& numbers, std::size_t end) {
+    constexpr std::size_t kBits = 64;
+    if (numbers.size() < end / kBits) {
+        std::sort(numbers.begin(), numbers.end());
+        numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+        return;
+    }
+    std::vector<std::uint64_t> present(end / kBits + 1);
+    for (const Index number : numbers)
+        present[number / kBits] |= std::uint64_t{1} << number % kBits;
+    numbers.clear();
+    for (std::size_t word = 0; word < present.size(); ++word)
+        for (std::uint64_t bits = present[word]; bits != 0; bits &= bits - 1)
+            numbers.push_back(
+                static_cast<Index>(word * kBits + std::size_t(std::countr_zero(bits))));
+}
+
+std::vector<Index> merged(const std::vector<Index>& a, const std::vector<Index>& b) {
+    std::vector<Index> both;
+    both.reserve(a.size() + b.size());
+    std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
+    return both;
 }
 
 }  // namespace relief::edit

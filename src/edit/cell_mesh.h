@@ -32,8 +32,15 @@ struct CellMesh {
     /// All cells and edges at some vertices, ascending.
     [[nodiscard]] std::vector<mesh::Index> cells_at(const std::vector<mesh::Index>& some) const;
     [[nodiscard]] std::vector<mesh::Index> edges_at(const std::vector<mesh::Index>& some) const;
+    /// All corners of some cells, ascending.
+    [[nodiscard]] std::vector<mesh::Index> corners_of(const std::vector<mesh::Index>& some) const;
 };
 
-void sort_unique(std::vector<mesh::Index>& numbers);
+/// Ascending and each once, from numbers below `end`. Complexity: O(n log n) for few, O(n) for
+/// many.
+void sort_unique(std::vector<mesh::Index>& numbers, std::size_t end);
+/// What is in at least one of two lists that are ascending.
+[[nodiscard]] std::vector<mesh::Index> merged(const std::vector<mesh::Index>& a,
+                                              const std::vector<mesh::Index>& b);
 
 }  // namespace relief::edit

@@ -173,8 +173,8 @@ GridPart PlaneModel::part_at(const View& view, const std::vector<Index>& changed
             if (mesh.vertex_cells.of(v)[0] == c) part.vertices.push_back(v);
             if (mesh.edge_cell[e] == c) part.edges.push_back(e);
         }
-    sort_unique(part.vertices);
-    sort_unique(part.edges);
+    sort_unique(part.vertices, mesh.vertices.size());
+    sort_unique(part.edges, mesh.edges.size());
     return part;
 }
 

@@ -1,5 +1,7 @@
 #include "edit/plane_moves.h"
 
+#include <limits>
+
 #include "edit/cell_mesh.h"
 
 namespace relief::edit {
@@ -45,22 +47,20 @@ VertexMove PlaneMoves::at(int level, Index vertex) const {
 void PlaneMoves::settle() {
     std::vector<Index> changed;
     for (int level = static_cast<int>(sums_.size()) - 1; level >= 0; --level) {
-        std::vector<Index> affected;
-        if (!changed.empty()) affected = children(level, changed);
-        std::vector<Index>& moved = moved_[static_cast<std::size_t>(level)];
-        affected.insert(affected.end(), moved.begin(), moved.end());
+        const auto here = static_cast<std::size_t>(level);
+        std::vector<Index>& moved = moved_[here];
+        sort_unique(moved, std::numeric_limits<Index>::max());
+        if (!changed.empty()) changed = children(level, changed);
+        changed = merged(changed, moved);
         moved.clear();
-        sort_unique(affected);
-        changed = affected.empty() ? affected : update(level, affected);
-        auto& all = changed_[static_cast<std::size_t>(level)];
-        all.insert(all.end(), changed.begin(), changed.end());
+        if (!changed.empty()) changed = update(level, changed);
+        changed_[here] = merged(changed_[here], changed);
     }
 }
 
 std::vector<std::vector<Index>> PlaneMoves::take_changed() {
     std::vector<std::vector<Index>> changed(changed_.size());
     changed.swap(changed_);
-    for (std::vector<Index>& level : changed) sort_unique(level);
     return changed;
 }
 

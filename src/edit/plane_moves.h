@@ -48,18 +48,18 @@ class PlaneMoves {
     [[nodiscard]] std::vector<std::vector<mesh::Index>> take_changed();
 
   protected:
-    /// The vertices of `level` that depend on some vertices of level + 1.
+    /// The vertices of `level` that depend on some vertices of level + 1; both ascending.
     [[nodiscard]] virtual std::vector<mesh::Index> children(
         int level, const std::vector<mesh::Index>& parents) const = 0;
     /// Computes anew what moves of `level` and coarser ones add at vertices, and returns those
-    /// around them at which the spline of the level changed.
+    /// around them at which the spline of the level changed; both ascending.
     [[nodiscard]] virtual std::vector<mesh::Index> update(
         int level, const std::vector<mesh::Index>& vertices) = 0;
 
   private:
     std::vector<std::unordered_map<mesh::Index, VertexMove>> sums_;
-    std::vector<std::vector<mesh::Index>> moved_;  ///< since the last settlement
-    std::vector<std::vector<mesh::Index>> changed_;
+    std::vector<std::vector<mesh::Index>> moved_;    ///< since the last settlement
+    std::vector<std::vector<mesh::Index>> changed_;  ///< ascending
 };
 
 }  // namespace relief::edit

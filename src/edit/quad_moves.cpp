@@ -12,6 +12,8 @@ namespace fvs_mesh = multires::fvs_mesh;
 namespace {
 
 constexpr std::int64_t kGrain = 64;
+/// Of about 500 bytes each.
+constexpr std::size_t kMostRules = std::size_t{1} << 18;
 
 template <class T, class Function>
 std::vector<T> computed(const std::vector<Index>& elements, Function&& fn) {
@@ -33,7 +35,8 @@ QuadMoves::QuadMoves(const fvs_mesh::Hierarchy& hierarchy, std::vector<const Cel
         const std::vector<double> zeros(mesh(level).vertex_count());
         levels_.push_back({fvs_mesh::LocalInterpolation(mesh(level)),
                            {zeros, zeros, zeros, std::vector<double>(mesh(level).edge_count())},
-                           std::vector<VertexQuadratic>(zeros.size())});
+                           std::vector<VertexQuadratic>(zeros.size()),
+                           std::vector<fvs_mesh::QuadraticRule>(zeros.size())});
     }
 }
 
@@ -78,10 +81,26 @@ std::vector<Index> QuadMoves::set_values(int level, const std::vector<Index>& ve
     return changed;
 }
 
+void QuadMoves::keep_rules(Level& here, const std::vector<Index>& vertices) {
+    std::vector<Index> missing;
+    for (const Index v : vertices)
+        if (kept_rules_ + missing.size() < kMostRules && here.rules[v].shares.empty())
+            missing.push_back(v);
+    auto rules =
+        computed<fvs_mesh::QuadraticRule>(missing, [&](Index v) { return here.local.rule(v); });
+    for (std::size_t k = 0; k < missing.size(); ++k) here.rules[missing[k]] = std::move(rules[k]);
+    kept_rules_ += missing.size();
+}
+
 std::vector<Index> QuadMoves::set_quadratics(int level, const std::vector<Index>& vertices) {
     Level& here = levels_[static_cast<std::size_t>(level)];
-    const auto fresh = computed<VertexQuadratic>(
-        vertices, [&](Index v) { return here.local.quadratic(here.data.value, v); });
+    keep_rules(here, vertices);
+    const std::vector<double>& values = here.data.value;
+    const auto fresh = computed<VertexQuadratic>(vertices, [&](Index v) {
+        const fvs_mesh::QuadraticRule& kept = here.rules[v];
+        if (!kept.shares.empty()) return kept.apply(values, v);
+        return here.local.rule(v).apply(values, v);
+    });
     std::vector<Index> changed;
     for (std::size_t k = 0; k < vertices.size(); ++k) {
         const Index v = vertices[k];
@@ -97,12 +116,13 @@ std::vector<Index> QuadMoves::update(int level, const std::vector<Index>& vertic
     Level& here = levels_[static_cast<std::size_t>(level)];
     std::vector<Index> changed = set_values(level, vertices);
     if (changed.empty()) return changed;
-    const std::vector<Index> near = here.local.ring(here.local.ring(changed));
-    const std::vector<Index> bent = set_quadratics(level, near);
-    changed.insert(changed.end(), bent.begin(), bent.end());
-    sort_unique(changed);
+    const CellMesh& cells = *meshes_[static_cast<std::size_t>(level)];
+    const auto ring = [&](const std::vector<Index>& some) {
+        return cells.corners_of(cells.cells_at(some));
+    };
+    changed = merged(changed, set_quadratics(level, ring(ring(changed))));
     const Quadrangulation& mesh = this->mesh(level);
-    for (const Index e : meshes_[static_cast<std::size_t>(level)]->edges_at(changed)) {
+    for (const Index e : cells.edges_at(changed)) {
         const auto [from, to] = mesh.edges[e];
         here.data.normal[e] = here.local.normal(e, here.quadratics[from], here.quadratics[to]);
     }

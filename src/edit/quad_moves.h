@@ -32,6 +32,8 @@ class QuadMoves final : public PlaneMoves {
         multires::fvs_mesh::LocalInterpolation local;
         Data data;
         std::vector<VertexQuadratic> quadratics;
+        /// Of vertices near moves, or empty: a drag comes back to them.
+        std::vector<multires::fvs_mesh::QuadraticRule> rules;
     };
     [[nodiscard]] const mesh::Quadrangulation& mesh(int level) const {
         return hierarchy_.mesh(hierarchy_.levels() - level);
@@ -40,6 +42,7 @@ class QuadMoves final : public PlaneMoves {
     /// Sets values; returns the vertices at which they changed.
     [[nodiscard]] std::vector<mesh::Index> set_values(int level,
                                                       const std::vector<mesh::Index>& vertices);
+    void keep_rules(Level& here, const std::vector<mesh::Index>& vertices);
     /// Sets quadratics; returns the vertices at which they changed.
     [[nodiscard]] std::vector<mesh::Index> set_quadratics(int level,
                                                           const std::vector<mesh::Index>& vertices);
@@ -47,6 +50,7 @@ class QuadMoves final : public PlaneMoves {
     const multires::fvs_mesh::Hierarchy& hierarchy_;
     std::vector<const CellMesh*> meshes_;
     std::vector<Level> levels_;
+    std::size_t kept_rules_ = 0;
 };
 
 }  // namespace relief::edit

@@ -17,66 +17,130 @@ constexpr std::int64_t kGrain = 256;
 constexpr double kDetermined = 1e-3;  ///< smallest pivot of a fit that determines a quadratic
 constexpr double kPlanePivot = 1e-14;
 
-struct Neighbour {
-    Vec2 offset;
-    double rise = 0;
+/// Least squares of the first `unknowns` (2: a plane, 5: a quadratic) of gradient and Hessian
+/// through the origin. Distances are divided by their mean, so that pivots do not depend on units.
+class OriginFit {
+  public:
+    static std::optional<OriginFit> create(const std::vector<Vec2>& offsets, std::size_t unknowns,
+                                           double smallest_pivot) {
+        double size = 0;
+        for (const Vec2 offset : offsets) size += length(offset);
+        size /= static_cast<double>(offsets.size());
+        std::vector<double> normal(unknowns * unknowns);
+        for (const Vec2 offset : offsets) {
+            const Vec2 d = (1 / size) * offset;
+            const double weight = 1 / dot(d, d);
+            const std::array<double, 5> row = row_of(d);
+            for (std::size_t i = 0; i < unknowns; ++i)
+                for (std::size_t j = 0; j <= i; ++j)
+                    normal[i * unknowns + j] += weight * row[i] * row[j];
+        }
+        auto cholesky = SmallCholesky::factor(std::move(normal), unknowns, smallest_pivot);
+        if (!cholesky) return std::nullopt;
+        return OriginFit(size, unknowns, *std::move(cholesky));
+    }
+
+    /// Adds a point to the right-hand side.
+    void add(Vec2 offset, double rise, std::array<double, 5>& x) const {
+        const Vec2 d = (1 / size_) * offset;
+        const double weight = 1 / dot(d, d);
+        const std::array<double, 5> row = row_of(d);
+        for (std::size_t i = 0; i < unknowns_; ++i) x[i] += weight * row[i] * rise;
+    }
+
+    [[nodiscard]] VertexQuadratic solved(std::array<double, 5> x) const {
+        cholesky_.solve(x.data());
+        const double squared = size_ * size_;
+        return {{x[0] / size_, x[1] / size_}, x[2] / squared, x[3] / squared, x[4] / squared};
+    }
+
+  private:
+    OriginFit(double size, std::size_t unknowns, SmallCholesky cholesky)
+        : size_(size), unknowns_(unknowns), cholesky_(std::move(cholesky)) {}
+    static std::array<double, 5> row_of(Vec2 d) {
+        return {d.x, d.y, 0.5 * d.x * d.x, d.x * d.y, 0.5 * d.y * d.y};
+    }
+
+    double size_;
+    std::size_t unknowns_;
+    SmallCholesky cholesky_;
 };
 
-/// The first `unknowns` (2: a plane, 5: a quadratic) of gradient and Hessian through the origin.
-/// Distances are divided by their mean, so that pivots do not depend on units.
-std::optional<VertexQuadratic> fit_through_origin(const std::vector<Neighbour>& neighbours,
-                                                  std::size_t unknowns, double smallest_pivot) {
-    double size = 0;
-    for (const Neighbour& n : neighbours) size += length(n.offset);
-    size /= static_cast<double>(neighbours.size());
-    std::vector<double> normal(unknowns * unknowns);
-    std::array<double, 5> x{};
-    for (const Neighbour& n : neighbours) {
-        const Vec2 d = (1 / size) * n.offset;
-        const double weight = 1 / dot(d, d);
-        const std::array<double, 5> row = {d.x, d.y, 0.5 * d.x * d.x, d.x * d.y, 0.5 * d.y * d.y};
-        for (std::size_t i = 0; i < unknowns; ++i) {
-            for (std::size_t j = 0; j <= i; ++j)
-                normal[i * unknowns + j] += weight * row[i] * row[j];
-            x[i] += weight * row[i] * n.rise;
-        }
-    }
-    const auto cholesky = SmallCholesky::factor(std::move(normal), unknowns, smallest_pivot);
-    if (!cholesky) return std::nullopt;
-    cholesky->solve(x.data());
-    const double squared = size * size;
-    return VertexQuadratic{
-        {x[0] / size, x[1] / size}, x[2] / squared, x[3] / squared, x[4] / squared};
-}
-
-std::vector<Neighbour> neighbours(const Quadrangulation& mesh, std::span<const double> values,
-                                  Index v, const std::vector<Index>& vertices) {
-    std::vector<Neighbour> list;
-    list.reserve(vertices.size());
-    for (const Index w : vertices)
-        if (w != v) list.push_back({mesh.vertex(w) - mesh.vertex(v), values[w] - values[v]});
-    return list;
-}
-
-}  // namespace
-
-std::vector<Index> LocalInterpolation::ring(std::span<const Index> vertices) const {
+/// All vertices of the quads at the given ones, ascending: of one vertex its 1-ring.
+std::vector<Index> ring(const Quadrangulation& mesh, const mesh::VertexQuads& quads,
+                        std::span<const Index> vertices) {
     std::vector<Index> found;
     for (const Index v : vertices)
-        for (const Index q : quads_.of(v))
-            found.insert(found.end(), mesh_->quads[q].begin(), mesh_->quads[q].end());
+        for (const Index q : quads.of(v))
+            found.insert(found.end(), mesh.quads[q].begin(), mesh.quads[q].end());
     std::sort(found.begin(), found.end());
     found.erase(std::unique(found.begin(), found.end()), found.end());
     return found;
 }
 
+/// The vertices around one to which its quadratic is fitted, and the fit; none if they are
+/// collinear with it.
+struct VertexFit {
+    std::vector<Index> around;
+    std::vector<Vec2> offsets;
+    std::optional<OriginFit> fit;
+
+    VertexFit(const Quadrangulation& mesh, const mesh::VertexQuads& quads, Index v) {
+        const std::vector<Index> first = ring(mesh, quads, {&v, 1});
+        take(mesh, first, v);
+        if ((fit = OriginFit::create(offsets, 5, kDetermined))) return;
+        take(mesh, ring(mesh, quads, first), v);
+        if ((fit = OriginFit::create(offsets, 5, kDetermined))) return;
+        take(mesh, first, v);
+        fit = OriginFit::create(offsets, 2, kPlanePivot);
+    }
+
+  private:
+    void take(const Quadrangulation& mesh, const std::vector<Index>& vertices, Index v) {
+        around.clear();
+        offsets.clear();
+        for (const Index w : vertices) {
+            if (w == v) continue;
+            around.push_back(w);
+            offsets.push_back(mesh.vertex(w) - mesh.vertex(v));
+        }
+    }
+};
+
+}  // namespace
+
 VertexQuadratic LocalInterpolation::quadratic(std::span<const double> values, Index v) const {
-    const std::vector<Index> first = ring({&v, 1});
-    const std::vector<Neighbour> near = neighbours(*mesh_, values, v, first);
-    if (const auto fit = fit_through_origin(near, 5, kDetermined)) return *fit;
-    const std::vector<Neighbour> far = neighbours(*mesh_, values, v, ring(first));
-    if (const auto fit = fit_through_origin(far, 5, kDetermined)) return *fit;
-    return fit_through_origin(near, 2, kPlanePivot).value_or(VertexQuadratic{});
+    const VertexFit known(*mesh_, quads_, v);
+    if (!known.fit) return {};
+    std::array<double, 5> sum{};
+    for (std::size_t k = 0; k < known.around.size(); ++k)
+        known.fit->add(known.offsets[k], values[known.around[k]] - values[v], sum);
+    return known.fit->solved(sum);
+}
+
+QuadraticRule LocalInterpolation::rule(Index v) const {
+    const VertexFit known(*mesh_, quads_, v);
+    QuadraticRule rule;
+    if (!known.fit) return rule;
+    rule.shares.reserve(known.around.size());
+    for (std::size_t k = 0; k < known.around.size(); ++k) {
+        std::array<double, 5> one{};
+        known.fit->add(known.offsets[k], 1, one);
+        rule.shares.push_back({known.around[k], known.fit->solved(one)});
+    }
+    return rule;
+}
+
+VertexQuadratic QuadraticRule::apply(std::span<const double> values, Index v) const {
+    VertexQuadratic sum;
+    for (const Share& share : shares) {
+        const double rise = values[share.vertex] - values[v];
+        sum.gradient = sum.gradient + rise * share.quadratic.gradient;
+        sum.xx += rise * share.quadratic.xx;
+        sum.xy += rise * share.quadratic.xy;
+        sum.yy += rise * share.quadratic.yy;
+    }
+    return sum;
 }
 
 double LocalInterpolation::normal(Index e, const VertexQuadratic& from,

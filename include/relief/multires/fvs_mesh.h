@@ -102,21 +102,32 @@ struct VertexQuadratic {
     friend bool operator==(const VertexQuadratic&, const VertexQuadratic&) = default;
 };
 
-/// The parts of interpolate_values one by one, to the same bits: for values of which few change.
-/// Immutable; several threads may ask.
+/// How the quadratic of a vertex follows from values: of each vertex around, what a rise of 1 above
+/// the vertex itself adds.
+struct QuadraticRule {
+    struct Share {
+        mesh::Index vertex = 0;
+        VertexQuadratic quadratic;
+    };
+    std::vector<Share> shares;
+
+    /// Complexity: O(shares); 9 operations for each.
+    [[nodiscard]] VertexQuadratic apply(std::span<const double> values, mesh::Index v) const;
+};
+
+/// The parts of interpolate_values one by one: for values of which few change. Immutable; several
+/// threads may ask.
 class LocalInterpolation {
   public:
     /// The mesh must outlive this and keep its address. Complexity: O(n).
     explicit LocalInterpolation(const mesh::Quadrangulation& mesh)
         : mesh_(&mesh), quads_(mesh::vertex_quads(mesh)) {}
 
-    /// The quads at each vertex.
-    [[nodiscard]] const mesh::VertexQuads& quads() const { return quads_; }
-    /// All vertices of the quads at the given ones, ascending: of one vertex its 1-ring, of that
-    /// its 2-ring. A quadratic depends on values of the 2-ring at most.
-    [[nodiscard]] std::vector<mesh::Index> ring(std::span<const mesh::Index> vertices) const;
-    /// Requires: a value for each vertex of the mesh, finite.
+    /// To the bit that of interpolate_values; it depends on values of the 2-ring at most. Requires:
+    /// a value for each vertex, finite.
     [[nodiscard]] VertexQuadratic quadratic(std::span<const double> values, mesh::Index v) const;
+    /// The same up to rounding, for many values: it depends on the mesh alone.
+    [[nodiscard]] QuadraticRule rule(mesh::Index v) const;
     /// The normal derivative at the middle of an edge from the quadratics of its ends.
     [[nodiscard]] double normal(mesh::Index e, const VertexQuadratic& from,
                                 const VertexQuadratic& to) const;
