@@ -426,12 +426,21 @@ Result<Outcome> edit_mesh(const std::string& in, const std::string& out, int lev
     RELIEF_TRY(Bytes bytes, io::read_file(in));
     const auto edited = codec::add_mesh_moves(std::move(bytes), moves);
     if (!edited.ok()) return located(edited.error(), in);
-    const auto after_file = codec::MeshFile::open(*edited);
+    return write_edited_mesh(in, out, *edited);
+}
+
+Result<Outcome> write_edited_mesh(const std::string& in, const std::string& out,
+                                  const Bytes& edited) {
+    RELIEF_TRY(const codec::MeshFile before_file, open_mesh_file(in));
+    const auto decoded = before_file.decode(0);
+    if (!decoded.ok()) return located(decoded.error(), in);
+    const PolygonMesh& before = *decoded;
+    const auto after_file = codec::MeshFile::open(edited);
     if (!after_file.ok()) return located(after_file.error(), in);
-    RELIEF_TRY(const PolygonMesh before, read_polygons(in));
     const auto after = after_file->decode(0);
     if (!after.ok()) return located(after.error(), in);
-    RELIEF_CHECK(io::write_file_atomically(out, *edited));
+    RELIEF_CHECK(io::write_file_atomically(out, edited));
+    const std::size_t moved = after_file->moves().size() - before_file.moves().size();
     PolygonMesh touched;
     for (std::size_t v = 0; v < before.vertices.size(); ++v)
         if (before.vertices[v] != after->vertices[v])
@@ -442,14 +451,13 @@ Result<Outcome> edit_mesh(const std::string& in, const std::string& out, int lev
                             : Json::array({box.low[0], box.low[1], box.low[2], box.high[0],
                                            box.high[1], box.high[2]});
     Outcome outcome;
-    outcome.json = Json{{"moved", moves.size()},
+    outcome.json = Json{{"moved", moved},
                         {"touched", touched.vertices.size()},
                         {"bounds", bounds},
                         {"edits", after_file->moves().size()},
-                        {"bytes", edited->size()}};
-    outcome.text =
-        fmt::format("{}: {} vertices of level {} moved, {} vertices touched\n", out, moves.size(),
-                    level, grouped(static_cast<std::int64_t>(touched.vertices.size())));
+                        {"bytes", edited.size()}};
+    outcome.text = fmt::format("{}: {} vertices moved, {} vertices touched\n", out, moved,
+                               grouped(static_cast<std::int64_t>(touched.vertices.size())));
     return outcome;
 }
 

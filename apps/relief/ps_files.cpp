@@ -232,14 +232,20 @@ Result<Outcome> edit_ps(const std::string& in, const std::string& out, int level
     RELIEF_TRY(Bytes bytes, io::read_file(in));
     const auto edited = codec::add_ps_moves(std::move(bytes), moves);
     if (!edited.ok()) return located(edited.error(), in);
-    const auto after_file = codec::PsFile::open(*edited);
+    return write_edited_ps(in, out, *edited);
+}
+
+Result<Outcome> write_edited_ps(const std::string& in, const std::string& out,
+                                const Bytes& edited) {
+    const auto after_file = codec::PsFile::open(edited);
     if (!after_file.ok()) return located(after_file.error(), in);
     RELIEF_TRY(const codec::PsFile before_file, open_ps(in));
     const auto before = before_file.surface(0);
     if (!before.ok()) return located(before.error(), in);
     const auto after = after_file->surface(0);
     if (!after.ok()) return located(after.error(), in);
-    RELIEF_CHECK(io::write_file_atomically(out, *edited));
+    RELIEF_CHECK(io::write_file_atomically(out, edited));
+    const std::size_t moved = after_file->moves().size() - before_file.moves().size();
 
     const mesh::Triangulation& mesh = after->space.mesh;
     std::int64_t touched = 0;
@@ -249,9 +255,9 @@ Result<Outcome> edit_ps(const std::string& in, const std::string& out, int level
         const auto same = [&](std::size_t m) {
             return before->components[m][v] == after->components[m][v];
         };
-        bool moved = false;
-        for (std::size_t m = 0; m < after->components.size(); ++m) moved |= !same(m);
-        if (!moved) continue;
+        bool differs = false;
+        for (std::size_t m = 0; m < after->components.size(); ++m) differs |= !same(m);
+        if (!differs) continue;
         ++touched;
         const Vec2 place = mesh.origin + mesh.vertex(v);
         low = {std::min(low.x, place.x), std::min(low.y, place.y)};
@@ -259,14 +265,13 @@ Result<Outcome> edit_ps(const std::string& in, const std::string& out, int level
     }
     Outcome outcome;
     outcome.json =
-        Json{{"moved", moves.size()},
+        Json{{"moved", moved},
              {"touched", touched},
              {"bounds", touched == 0 ? Json(nullptr) : Json::array({low.x, low.y, high.x, high.y})},
              {"edits", after_file->moves().size()},
-             {"bytes", edited->size()}};
-    outcome.text =
-        fmt::format("{}: {} control triangles of level {} moved, {} of level 0 touched\n", out,
-                    moves.size(), level, grouped(touched));
+             {"bytes", edited.size()}};
+    outcome.text = fmt::format("{}: {} control triangles moved, {} of level 0 touched\n", out,
+                               moved, grouped(touched));
     return outcome;
 }
 

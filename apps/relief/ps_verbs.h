@@ -91,6 +91,9 @@ struct PsDecodeVerb {
 /// `moves`: "INDEX:DZ[,DX,DY]".
 [[nodiscard]] Result<Outcome> edit_ps(const std::string& in, const std::string& out, int level,
                                       const std::vector<std::string>& moves);
+/// Writes a file that is `in` with more moves, and says what they did.
+[[nodiscard]] Result<Outcome> write_edited_ps(const std::string& in, const std::string& out,
+                                              const Bytes& edited);
 
 /// The jets of all components at each point: out[point * components + component]; all NaN outside.
 struct PsJets {

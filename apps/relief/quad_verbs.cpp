@@ -102,25 +102,33 @@ Result<Outcome> edit_quads(const std::string& in, const std::string& out, int le
     RELIEF_TRY(Bytes bytes, io::read_file(in));
     const auto edited = codec::add_quad_moves(std::move(bytes), moves);
     if (!edited.ok()) return located(edited.error(), in);
-    const auto after_file = codec::QuadFile::open(*edited);
+    return write_edited_quads(in, out, *edited);
+}
+
+Result<Outcome> write_edited_quads(const std::string& in, const std::string& out,
+                                   const Bytes& edited) {
+    RELIEF_TRY(const codec::QuadFile before_file, open_quads(in));
+    const auto before = before_file.decode(0);
+    if (!before.ok()) return located(before.error(), in);
+    const auto after_file = codec::QuadFile::open(edited);
     if (!after_file.ok()) return located(after_file.error(), in);
-    RELIEF_TRY(const codec::QuadMesh before, read_quads(in));
     const auto after = after_file->decode(0);
     if (!after.ok()) return located(after.error(), in);
-    RELIEF_CHECK(io::write_file_atomically(out, *edited));
-    const Touched touched = touched_by(before, *after);
+    RELIEF_CHECK(io::write_file_atomically(out, edited));
+    const Touched touched = touched_by(*before, *after);
+    const std::size_t moved = after_file->moves().size() - before_file.moves().size();
     const Json bounds =
         touched.vertices == 0
             ? Json(nullptr)
             : Json::array({touched.low[0], touched.low[1], touched.high[0], touched.high[1]});
     Outcome outcome;
-    outcome.json = Json{{"moved", moves.size()},
+    outcome.json = Json{{"moved", moved},
                         {"touched", touched.vertices},
                         {"bounds", bounds},
                         {"edits", after_file->moves().size()},
-                        {"bytes", edited->size()}};
-    outcome.text = fmt::format("{}: {} vertices of level {} moved, {} vertices touched\n", out,
-                               moves.size(), level, grouped(touched.vertices));
+                        {"bytes", edited.size()}};
+    outcome.text = fmt::format("{}: {} vertices moved, {} vertices touched\n", out, moved,
+                               grouped(touched.vertices));
     return outcome;
 }
 

@@ -8,11 +8,15 @@
 #include "mesh_verbs.h"
 #include "ps_verbs.h"
 #include "quad_verbs.h"
+#include "relief/edit/session.h"
 #include "relief/io/file.h"
+#include "relief/io/raster.h"
 
 namespace relief::cli {
 
 namespace {
+
+using Script = nlohmann::json;
 
 struct Edit {
     std::string in;
@@ -58,14 +62,14 @@ Result<multires::Move> parse_move(const std::string& text, int level,
 }
 
 /// An integer member that 64 bits hold.
-std::optional<std::int64_t> integer(const Json& item, const char* key) {
+std::optional<std::int64_t> integer(const Script& item, const char* key) {
     const auto found = item.is_object() ? item.find(key) : item.end();
     if (found == item.end() || !found->is_number_integer()) return {};
     if (found->is_number_unsigned() && found->get<std::uint64_t>() > INT64_MAX) return INT64_MAX;
     return found->get<std::int64_t>();
 }
 
-Result<multires::Move> read_move(const Json& item, const multires::PyramidLayout& layout,
+Result<multires::Move> read_move(const Script& item, const multires::PyramidLayout& layout,
                                  const std::string& where) {
     const auto wrong = [&](std::string what) {
         return Error{ErrorCode::BadInput, std::move(what), where};
@@ -86,29 +90,27 @@ Result<multires::Move> read_move(const Json& item, const multires::PyramidLayout
     if (auto exists = multires::check_move(layout, move); !exists.ok())
         return located(exists.error(), where);
 
-    const Json& delta = item["delta"];
+    const Script& delta = item["delta"];
     const std::size_t count = delta.is_array() ? delta.size() : 1;
     if (count < 1 || count > static_cast<std::size_t>(layout.components))
         return wrong(fmt::format("\"delta\" has not 1 to {} numbers", layout.components));
     for (std::size_t k = 0; k < count; ++k) {
-        const Json& component = delta.is_array() ? delta[k] : delta;
+        const Script& component = delta.is_array() ? delta[k] : delta;
         if (!component.is_number()) return wrong("\"delta\" is not a number");
         move.delta[k] = component.get<double>();
     }
     return move;
 }
 
-/// A list, or {"moves": list}, of {"level": K, "index": N or "row": I, "col": J, "delta": number or
-/// list}.
-Result<std::vector<multires::Move>> read_script(const std::string& path,
-                                                const multires::PyramidLayout& layout) {
-    RELIEF_TRY(const auto bytes, io::read_file(path));
-    const Json script = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
-    const Json& list = script.is_object() && script.contains("moves") ? script["moves"] : script;
+/// The moves of a list, or {"moves": list}, of {"level": K, "index": N or "row": I, "col": J,
+/// "delta": number or list}.
+Result<std::vector<multires::Move>> moves_in(const Script& script, const std::string& path,
+                                             const multires::PyramidLayout& layout) {
+    const Script& list = script.is_object() && script.contains("moves") ? script["moves"] : script;
     if (!list.is_array())
-        return Error{ErrorCode::BadInput, "is not JSON with a list of moves", path};
+        return Error{ErrorCode::BadInput, "is not JSON with a list of moves or commands", path};
     std::vector<multires::Move> moves;
-    for (const Json& item : list) {
+    for (const Script& item : list) {
         RELIEF_TRY(const auto move,
                    read_move(item, layout, fmt::format("{}, move {}", path, moves.size() + 1)));
         moves.push_back(move);
@@ -116,7 +118,7 @@ Result<std::vector<multires::Move>> read_script(const std::string& path,
     return moves;
 }
 
-Result<std::vector<multires::Move>> moves_of(const Edit& options,
+Result<std::vector<multires::Move>> moves_of(const Edit& options, const Script& script,
                                              const multires::PyramidLayout& layout) {
     std::vector<multires::Move> moves;
     if (!options.moves.empty() && !options.level)
@@ -131,7 +133,7 @@ Result<std::vector<multires::Move>> moves_of(const Edit& options,
         moves.push_back(move);
     }
     if (!options.script.empty()) {
-        RELIEF_TRY(const auto more, read_script(options.script, layout));
+        RELIEF_TRY(const auto more, moves_in(script, options.script, layout));
         moves.insert(moves.end(), more.begin(), more.end());
     }
     if (moves.empty())
@@ -145,6 +147,35 @@ LatticeBox without_margin(const LatticeBox& box, codec::LatticeMargin margin) {
     const std::int64_t col0 = std::max(box.col0, margin.cols);
     return {row0 - margin.rows, col0 - margin.cols, box.row0 + box.rows - row0,
             box.col0 + box.cols - col0};
+}
+
+/// Says what moves of a raster did. `file`: before them; `bytes`: of the file with them.
+Outcome raster_outcome(const std::string& out, const codec::RasterFile& file,
+                       const std::vector<multires::Move>& moves, std::uint64_t bytes) {
+    const auto& layout = file.layout();
+    const auto field =
+        multires::samples_of(layout, multires::displacement<double>(layout, moves, 0), 0);
+    std::int64_t touched = 0;
+    const codec::LatticeMargin margin = file.margin();
+    for (std::int64_t r = margin.rows; r < layout.rows; ++r)
+        for (std::int64_t c = margin.cols; c < layout.cols; ++c)
+            touched += std::any_of(field.begin(), field.end(),
+                                   [&](const auto& plane) { return plane(r, c) != 0; });
+    const LatticeBox box = without_margin(multires::touched_box(layout, moves), margin);
+    Outcome outcome;
+    outcome.json = Json{
+        {"moved", moves.size()},
+        {"touched", touched},
+        {"bounds",
+         Json{{"col", box.col0}, {"row", box.row0}, {"width", box.cols}, {"height", box.rows}}},
+        {"edits", file.moves().size() + moves.size()},
+        {"bytes", bytes}};
+    outcome.text = fmt::format(
+        "{}: {} control coefficients moved, {} samples touched in columns {} to {}, rows {} to "
+        "{}\n",
+        out, moves.size(), grouped(touched), box.col0, box.col0 + box.cols - 1, box.row0,
+        box.row0 + box.rows - 1);
+    return outcome;
 }
 
 /// Counts what passes.
@@ -162,10 +193,26 @@ class CountingSink final : public ByteSink {
     std::uint64_t bytes_ = 0;
 };
 
+Result<Outcome> edit_raster(const Edit& options, const Script& script) {
+    RELIEF_TRY(const auto source, io::open_source(options.in));
+    const auto file = codec::RasterFile::open(source);
+    if (!file.ok()) return located(file.error(), options.in);
+    RELIEF_TRY(const auto moves, moves_of(options, script, file->layout()));
+    RELIEF_TRY(io::OutputFile out, io::OutputFile::create(options.out));
+    CountingSink edited(out);
+    if (const Status status = codec::add_moves(source, moves, edited); !status.ok())
+        return located(status.error(), options.in);
+    RELIEF_CHECK(out.commit());
+    return raster_outcome(options.out, *file, moves, edited.bytes());
+}
+
 /// Meshes are edited vertex by vertex.
 Result<Outcome> edit_any_mesh(const Edit& options) {
     if (!options.script.empty())
-        return Error{ErrorCode::InvalidArgument, "--script is for rasters; use --move", options.in};
+        return Error{ErrorCode::BadInput,
+                     "lists of moves are for rasters; give commands: "
+                     R"([{"do": "move", "level": 0, "points": [7], "delta": 1}])",
+                     options.script};
     if (!options.moves.empty() && !options.level)
         return Error{ErrorCode::InvalidArgument, "--move needs --level K", ""};
     const int level = options.level.value_or(0);
@@ -174,44 +221,76 @@ Result<Outcome> edit_any_mesh(const Edit& options) {
     return edit_quads(options.in, options.out, level, options.moves);
 }
 
+/// Commands of the editor rather than moves.
+bool holds_commands(const Script& script) {
+    if (script.is_object()) return script.contains("commands");
+    return script.is_array() && !script.empty() && script[0].is_object() &&
+           script[0].contains("do");
+}
+
+/// What a session sees of a raster besides its file.
+Result<edit::OpenOptions> session_options(const std::shared_ptr<const ByteSource>& source) {
+    RELIEF_TRY(const codec::RasterFile file, codec::RasterFile::open(source));
+    const auto cell = io::cell_size_in_unit(file.description());
+    if (!cell) return edit::OpenOptions{};
+    return edit::OpenOptions{std::array{cell->x, cell->y}};
+}
+
+Result<Bytes> replayed(const std::shared_ptr<const ByteSource>& source, bool raster,
+                       const Edit& options, const Script& script) {
+    edit::OpenOptions open;
+    if (raster) {
+        auto found = session_options(source);
+        if (!found.ok()) return located(found.error(), options.in);
+        open = *found;
+    }
+    auto session = edit::Session::open(source, open);
+    if (!session.ok()) return located(session.error(), options.in);
+    if (const Status status = session->replay(script); !status.ok())
+        return located(status.error(), options.script);
+    return session->file();
+}
+
+Result<Outcome> write_edited_raster(const Edit& options,
+                                    const std::shared_ptr<const ByteSource>& source,
+                                    const Bytes& edited) {
+    RELIEF_TRY(const codec::RasterFile before, codec::RasterFile::open(source));
+    RELIEF_TRY(const codec::RasterFile after, codec::RasterFile::open(edited));
+    const auto& all = after.moves();
+    const auto first = all.begin() + static_cast<std::ptrdiff_t>(before.moves().size());
+    const Outcome outcome = raster_outcome(options.out, before, {first, all.end()}, edited.size());
+    RELIEF_CHECK(io::write_file_atomically(options.out, edited));
+    return outcome;
+}
+
+/// Runs the commands of a script in a session, as the editor does.
+Result<Outcome> run_commands(const Edit& options, const Script& script) {
+    if (!options.moves.empty())
+        return Error{ErrorCode::InvalidArgument,
+                     "--move and a script of commands can not be given together; put the moves "
+                     "into the script",
+                     ""};
+    const bool ps = holds_ps(options.in);
+    const bool mesh = holds_mesh(options.in);
+    const bool quads = holds_quads(options.in);
+    RELIEF_TRY(const auto source, io::open_source(options.in));
+    RELIEF_TRY(const Bytes edited, replayed(source, !ps && !mesh && !quads, options, script));
+    if (ps) return write_edited_ps(options.in, options.out, edited);
+    if (mesh) return write_edited_mesh(options.in, options.out, edited);
+    if (quads) return write_edited_quads(options.in, options.out, edited);
+    return write_edited_raster(options, source, edited);
+}
+
 Result<Outcome> run(const Edit& options) {
+    Script script;
+    if (!options.script.empty()) {
+        RELIEF_TRY(const auto bytes, io::read_file(options.script));
+        script = Script::parse(bytes.begin(), bytes.end(), nullptr, false);
+        if (holds_commands(script)) return run_commands(options, script);
+    }
     if (holds_quads(options.in) || holds_mesh(options.in) || holds_ps(options.in))
         return edit_any_mesh(options);
-    RELIEF_TRY(const auto source, io::open_source(options.in));
-    const auto opened = codec::RasterFile::open(source);
-    if (!opened.ok()) return located(opened.error(), options.in);
-    const codec::RasterFile& file = *opened;
-    const auto& layout = file.layout();
-    RELIEF_TRY(const auto moves, moves_of(options, layout));
-    RELIEF_TRY(io::OutputFile out, io::OutputFile::create(options.out));
-    CountingSink edited(out);
-    if (const Status status = codec::add_moves(source, moves, edited); !status.ok())
-        return located(status.error(), options.in);
-    RELIEF_CHECK(out.commit());
-
-    const auto field =
-        multires::samples_of(layout, multires::displacement<double>(layout, moves, 0), 0);
-    std::int64_t touched = 0;
-    const codec::LatticeMargin margin = file.margin();
-    for (std::int64_t r = margin.rows; r < layout.rows; ++r)
-        for (std::int64_t c = margin.cols; c < layout.cols; ++c)
-            touched += std::any_of(field.begin(), field.end(),
-                                   [&](const auto& plane) { return plane(r, c) != 0; });
-    const LatticeBox box = without_margin(multires::touched_box(layout, moves), margin);
-    Outcome outcome;
-    outcome.json = Json{
-        {"moved", moves.size()},
-        {"touched", touched},
-        {"bounds",
-         Json{{"col", box.col0}, {"row", box.row0}, {"width", box.cols}, {"height", box.rows}}},
-        {"edits", file.moves().size() + moves.size()},
-        {"bytes", edited.bytes()}};
-    outcome.text = fmt::format(
-        "{}: {} control coefficients moved, {} samples touched in columns {} to {}, rows {} to "
-        "{}\n",
-        options.out, moves.size(), grouped(touched), box.col0, box.col0 + box.cols - 1, box.row0,
-        box.row0 + box.rows - 1);
-    return outcome;
+    return edit_raster(options, script);
 }
 
 }  // namespace
@@ -237,9 +316,13 @@ void add_edit(Program& program) {
     verb->add_option("--move", options->moves, "INDEX:DX[,DY,DZ], in data units; repeatable")
         ->take_all()
         ->allow_extra_args(false);
-    verb->add_option("--script", options->script,
-                     "JSON: [{\"level\": 3, \"row\": 10, \"col\": 12, \"delta\": [80]}, ...]; "
-                     "\"index\" instead of row and col");
+    verb->add_option(
+        "--script", options->script,
+        "JSON: a list of the editor's commands, as 'relief view' saves them (docs/protocol.md): "
+        "[{\"do\": \"move\", \"level\": 3, \"points\": [310], \"delta\": 80}, ...]; for "
+        "rasters also of moves: "
+        "[{\"level\": 3, \"row\": 10, \"col\": 12, \"delta\": [80]}, ...]; "
+        "\"index\" instead of row and col");
 }
 
 }  // namespace relief::cli

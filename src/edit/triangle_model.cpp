@@ -15,14 +15,19 @@ Error wrong(std::string what) {
 
 using Components = TriangleSpline::Components;
 
-/// The splines of all levels of a file, from the finest.
-Result<std::vector<Components>> all_splines(const codec::PsFile& file) {
+/// The splines of all levels of a file, from the finest, and the space of the coarsest.
+struct AllSplines {
     std::vector<Components> levels;
+    ps::Space base;
+};
+Result<AllSplines> all_splines(const codec::PsFile& file) {
+    AllSplines all;
     for (int level = 0; level <= file.levels(); ++level) {
         RELIEF_TRY(codec::PsSurface surface, file.surface(level));
-        levels.push_back(std::move(surface.components));
+        all.levels.push_back(std::move(surface.components));
+        if (level == file.levels()) all.base = std::move(surface.space);
     }
-    return levels;
+    return all;
 }
 
 /// What a move of a control point is to a file.
@@ -58,12 +63,12 @@ TriangleModel::TriangleModel(std::shared_ptr<const ByteSource> source, codec::Ps
 
 Result<std::unique_ptr<Model>> TriangleModel::open(std::shared_ptr<const ByteSource> source) {
     RELIEF_TRY(codec::PsFile file, codec::PsFile::open(source));
-    RELIEF_TRY(std::vector<Components> original, all_splines(file));
-    RELIEF_TRY(ps::Space base, ps::make_space(file.base()));
-    RELIEF_TRY(ps::Hierarchy hierarchy, ps::Hierarchy::create(std::move(base), file.levels()));
+    RELIEF_TRY(AllSplines original, all_splines(file));
+    RELIEF_TRY(ps::Hierarchy hierarchy,
+               ps::Hierarchy::create(std::move(original.base), file.levels()));
     auto kept = std::make_unique<ps::Hierarchy>(std::move(hierarchy));
     return std::unique_ptr<Model>(new TriangleModel(std::move(source), std::move(file),
-                                                    std::move(kept), std::move(original)));
+                                                    std::move(kept), std::move(original.levels)));
 }
 
 Result<std::unique_ptr<Model>> open_triangles(std::shared_ptr<const ByteSource> file) {
@@ -156,7 +161,8 @@ Result<Compression> TriangleModel::compress(double max_error, const Progress& pr
                codec::encode_ps(model, {.goal = {codec::Goal::Kind::MaxError, max_error},
                                         .progress = progress}));
     RELIEF_TRY(const codec::PsFile file, codec::PsFile::open(encoded.bytes));
-    RELIEF_TRY(compressed_, all_splines(file));
+    RELIEF_TRY(AllSplines splines, all_splines(file));
+    compressed_ = std::move(splines.levels);
     const codec::PsReport& report = encoded.report;
     return Compression{report.bytes, report.kept, report.coefficients, report.max_error,
                        report.rms_error};
