@@ -20,10 +20,6 @@ class CellGrid {
     /// Points on an edge, and inside a cell.
     [[nodiscard]] std::size_t edge_points() const { return cuts_ - 1; }
     [[nodiscard]] std::size_t cell_points() const { return inner_.size(); }
-    [[nodiscard]] std::size_t point_count() const {
-        return mesh_->vertices.size() + edge_points() * mesh_->edges.size() +
-               cell_points() * mesh_->cells.size();
-    }
     [[nodiscard]] std::uint32_t edge_point(mesh::Index e, std::size_t k) const {
         return static_cast<std::uint32_t>(mesh_->vertices.size() + edge_points() * e + k);
     }
