@@ -157,14 +157,18 @@ struct Edited {
     Bytes bytes;
     File file;
 };
-/// add(bytes, moves) -> Result<Bytes>.
-template <class File, class Move, class Add>
-[[nodiscard]] Result<Edited<File>> edited(const std::string& path, const std::vector<Move>& moves,
-                                          Add add) {
-    RELIEF_TRY(Bytes bytes, io::read_file(path));
-    RELIEF_TRY(bytes, located(add(std::move(bytes), moves), path));
+template <class File>
+[[nodiscard]] Result<Edited<File>> reopened(const std::string& path, Bytes bytes) {
     RELIEF_TRY(File file, located(File::open(bytes), path));
     return Edited<File>{std::move(bytes), std::move(file)};
+}
+
+/// A file with more moves: add(bytes, moves) -> Result<Bytes>.
+template <class Move, class Add>
+[[nodiscard]] Result<Bytes> with_moves(const std::string& path, const std::vector<Move>& moves,
+                                       Add add) {
+    RELIEF_TRY(Bytes bytes, io::read_file(path));
+    return located(add(std::move(bytes), moves), path);
 }
 
 /// What `edit` touched, and where it lies: the least coordinates of all, and the largest.
@@ -198,10 +202,16 @@ class Touched {
     std::array<double, Dimension> high_{};
 };
 
+/// How many moves an edited file has more than the one before.
+template <class File>
+[[nodiscard]] std::size_t moves_added(const File& before, const Edited<File>& edited) {
+    return edited.file.moves().size() - before.moves().size();
+}
+
 template <class File, std::size_t Dimension>
-[[nodiscard]] Json edit_json(const Edited<File>& edited, std::size_t moved,
+[[nodiscard]] Json edit_json(const File& before, const Edited<File>& edited,
                              const Touched<Dimension>& touched) {
-    return Json{{"moved", moved},
+    return Json{{"moved", moves_added(before, edited)},
                 {"touched", touched.count()},
                 {"bounds", touched.bounds()},
                 {"edits", edited.file.moves().size()},

@@ -363,17 +363,23 @@ Result<Outcome> edit_mesh(const std::string& in, const std::string& out, int lev
                           const std::vector<std::string>& texts) {
     RELIEF_TRY(const auto moves,
                parse_moves<codec::MeshMove>(texts, level, {"a mesh", "INDEX:DX,DY,DZ"}, set));
-    RELIEF_TRY(const auto result, edited<codec::MeshFile>(in, moves, codec::add_mesh_moves));
-    RELIEF_TRY(const PolygonMesh before, read_polygons(in));
+    RELIEF_TRY(Bytes bytes, with_moves(in, moves, codec::add_mesh_moves));
+    return write_edited_mesh(in, out, std::move(bytes));
+}
+
+Result<Outcome> write_edited_mesh(const std::string& in, const std::string& out, Bytes edited) {
+    RELIEF_TRY(const codec::MeshFile before_file, open_mesh_file(in));
+    RELIEF_TRY(const PolygonMesh before, located(before_file.decode(0), in));
+    RELIEF_TRY(const auto result, reopened<codec::MeshFile>(in, std::move(edited)));
     RELIEF_TRY(const PolygonMesh after, located(result.file.decode(0), in));
     RELIEF_CHECK(io::write_file_atomically(out, result.bytes));
     Touched<3> touched;
     for (std::size_t v = 0; v < before.vertices.size(); ++v)
         if (before.vertices[v] != after.vertices[v]) touched.add(after.vertices[v]);
     Outcome outcome;
-    outcome.json = edit_json(result, moves.size(), touched);
-    outcome.text = fmt::format("{}: {} vertices of level {} moved, {} vertices touched\n", out,
-                               moves.size(), level, grouped(touched.count()));
+    outcome.json = edit_json(before_file, result, touched);
+    outcome.text = fmt::format("{}: {} vertices moved, {} vertices touched\n", out,
+                               moves_added(before_file, result), grouped(touched.count()));
     return outcome;
 }
 

@@ -49,6 +49,9 @@ struct MeshEncodeVerb {
 /// `moves`: "INDEX:DX,DY,DZ".
 [[nodiscard]] Result<Outcome> edit_mesh(const std::string& in, const std::string& out, int level,
                                         const std::vector<std::string>& moves);
+/// Writes a file that is `in` with more moves, and says what they did.
+[[nodiscard]] Result<Outcome> write_edited_mesh(const std::string& in, const std::string& out,
+                                                Bytes edited);
 
 /// What was left out of a file of some format, as a line; empty if nothing was.
 [[nodiscard]] std::string left_out(const std::vector<std::string>& names);

@@ -74,10 +74,16 @@ Result<std::vector<codec::PsMove>> moves_of(const PsEditVerb& verb, const codec:
 Result<Outcome> edit_ps(const PsEditVerb& verb) {
     RELIEF_TRY(const codec::PsFile file, open_ps(verb.in));
     RELIEF_TRY(const auto moves, moves_of(verb, file));
-    RELIEF_TRY(const auto result, edited<codec::PsFile>(verb.in, moves, codec::add_ps_moves));
-    RELIEF_TRY(const codec::PsSurface before, located(file.surface(0), verb.in));
-    RELIEF_TRY(const codec::PsSurface after, located(result.file.surface(0), verb.in));
-    RELIEF_CHECK(io::write_file_atomically(verb.out, result.bytes));
+    RELIEF_TRY(Bytes bytes, with_moves(verb.in, moves, codec::add_ps_moves));
+    return write_edited_ps(verb.in, verb.out, std::move(bytes));
+}
+
+Result<Outcome> write_edited_ps(const std::string& in, const std::string& out, Bytes edited) {
+    RELIEF_TRY(const codec::PsFile file, open_ps(in));
+    RELIEF_TRY(const auto result, reopened<codec::PsFile>(in, std::move(edited)));
+    RELIEF_TRY(const codec::PsSurface before, located(file.surface(0), in));
+    RELIEF_TRY(const codec::PsSurface after, located(result.file.surface(0), in));
+    RELIEF_CHECK(io::write_file_atomically(out, result.bytes));
 
     const mesh::Triangulation& mesh = after.space.mesh;
     Touched<2> touched;
@@ -90,9 +96,9 @@ Result<Outcome> edit_ps(const PsEditVerb& verb) {
         touched.add({place.x, place.y});
     }
     Outcome outcome;
-    outcome.json = edit_json(result, moves.size(), touched);
-    outcome.text = fmt::format("{}: {} control triangles moved, {} of level 0 touched\n", verb.out,
-                               moves.size(), grouped(touched.count()));
+    outcome.json = edit_json(file, result, touched);
+    outcome.text = fmt::format("{}: {} control triangles moved, {} of level 0 touched\n", out,
+                               moves_added(file, result), grouped(touched.count()));
     return outcome;
 }
 

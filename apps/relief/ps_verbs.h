@@ -124,6 +124,9 @@ struct PsEditVerb {
     std::string script;              ///< a file with more of them; empty: none
 };
 [[nodiscard]] Result<Outcome> edit_ps(const PsEditVerb& verb);
+/// Writes a file that is `in` with more moves, and says what they did.
+[[nodiscard]] Result<Outcome> write_edited_ps(const std::string& in, const std::string& out,
+                                              Bytes edited);
 
 /// The jets of all components at each point: out[point * components + component]; all NaN outside.
 struct PsJets {

@@ -64,8 +64,14 @@ Result<Outcome> edit_quads(const std::string& in, const std::string& out, int le
                            const std::vector<std::string>& texts) {
     RELIEF_TRY(const auto moves,
                parse_moves<codec::QuadMove>(texts, level, {"a mesh", "INDEX:DZ"}, set));
-    RELIEF_TRY(const auto result, edited<codec::QuadFile>(in, moves, codec::add_quad_moves));
-    RELIEF_TRY(const codec::QuadMesh before, read_quads(in));
+    RELIEF_TRY(Bytes bytes, with_moves(in, moves, codec::add_quad_moves));
+    return write_edited_quads(in, out, std::move(bytes));
+}
+
+Result<Outcome> write_edited_quads(const std::string& in, const std::string& out, Bytes edited) {
+    RELIEF_TRY(const codec::QuadFile before_file, open_quads(in));
+    RELIEF_TRY(const codec::QuadMesh before, located(before_file.decode(0), in));
+    RELIEF_TRY(const auto result, reopened<codec::QuadFile>(in, std::move(edited)));
     RELIEF_TRY(const codec::QuadMesh after, located(result.file.decode(0), in));
     RELIEF_CHECK(io::write_file_atomically(out, result.bytes));
     Touched<2> touched;
@@ -73,9 +79,9 @@ Result<Outcome> edit_quads(const std::string& in, const std::string& out, int le
         if (before.vertices[v][2] != after.vertices[v][2])
             touched.add({after.vertices[v][0], after.vertices[v][1]});
     Outcome outcome;
-    outcome.json = edit_json(result, moves.size(), touched);
-    outcome.text = fmt::format("{}: {} vertices of level {} moved, {} vertices touched\n", out,
-                               moves.size(), level, grouped(touched.count()));
+    outcome.json = edit_json(before_file, result, touched);
+    outcome.text = fmt::format("{}: {} vertices moved, {} vertices touched\n", out,
+                               moves_added(before_file, result), grouped(touched.count()));
     return outcome;
 }
 

@@ -35,6 +35,9 @@ namespace relief::cli {
 /// `moves`: "INDEX:DZ".
 [[nodiscard]] Result<Outcome> edit_quads(const std::string& in, const std::string& out, int level,
                                          const std::vector<std::string>& moves);
+/// Writes a file that is `in` with more moves, and says what they did.
+[[nodiscard]] Result<Outcome> write_edited_quads(const std::string& in, const std::string& out,
+                                                 Bytes edited);
 
 /// For each point value, dx, dy, dxx, dxy, dyy; nothing outside the domain or in a hole.
 [[nodiscard]] Result<std::vector<std::optional<std::array<double, 6>>>> evaluate_quads(

@@ -8,7 +8,9 @@
 #include "mesh_verbs.h"
 #include "ps_verbs.h"
 #include "quad_verbs.h"
+#include "relief/edit/session.h"
 #include "relief/io/file.h"
+#include "relief/io/raster.h"
 
 namespace relief::cli {
 
@@ -127,50 +129,10 @@ LatticeBox without_margin(const LatticeBox& box, codec::LatticeMargin margin) {
             box.col0 + box.cols - col0};
 }
 
-/// Counts what passes.
-class CountingSink final : public ByteSink {
-  public:
-    explicit CountingSink(ByteSink& to) : to_(to) {}
-    Status write(std::span<const std::uint8_t> bytes) override {
-        bytes_ += bytes.size();
-        return to_.write(bytes);
-    }
-    [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
-
-  private:
-    ByteSink& to_;
-    std::uint64_t bytes_ = 0;
-};
-
-/// Meshes are edited vertex by vertex.
-Result<Outcome> edit_any_mesh(const Edit& options) {
-    if (!options.moves.empty() && !options.level)
-        return Error{ErrorCode::InvalidArgument, "--move needs --level K", ""};
-    const int level = options.level.value_or(0);
-    if (holds_ps(options.in))
-        return edit_ps({options.in, options.out, level, options.moves, options.script});
-    if (!options.script.empty())
-        return Error{ErrorCode::InvalidArgument,
-                     "--script is for rasters and splines on triangles; use --move", options.in};
-    if (holds_mesh(options.in)) return edit_mesh(options.in, options.out, level, options.moves);
-    return edit_quads(options.in, options.out, level, options.moves);
-}
-
-Result<Outcome> run(const Edit& options) {
-    if (holds_quads(options.in) || holds_mesh(options.in) || holds_ps(options.in))
-        return edit_any_mesh(options);
-    RELIEF_TRY(const auto source, io::open_source(options.in));
-    const auto opened = codec::RasterFile::open(source);
-    if (!opened.ok()) return located(opened.error(), options.in);
-    const codec::RasterFile& file = *opened;
+/// Says what moves of a raster did. `file`: before them; `bytes`: of the file with them.
+Outcome raster_outcome(const std::string& out, const codec::RasterFile& file,
+                       const std::vector<multires::Move>& moves, std::uint64_t bytes) {
     const auto& layout = file.layout();
-    RELIEF_TRY(const auto moves, moves_of(options, layout));
-    RELIEF_TRY(io::OutputFile out, io::OutputFile::create(options.out));
-    CountingSink edited(out);
-    if (const Status status = codec::add_moves(source, moves, edited); !status.ok())
-        return located(status.error(), options.in);
-    RELIEF_CHECK(out.commit());
-
     const auto field =
         multires::samples_of(layout, multires::displacement<double>(layout, moves, 0), 0);
     std::int64_t touched = 0;
@@ -187,13 +149,130 @@ Result<Outcome> run(const Edit& options) {
         {"bounds",
          Json{{"col", box.col0}, {"row", box.row0}, {"width", box.cols}, {"height", box.rows}}},
         {"edits", file.moves().size() + moves.size()},
-        {"bytes", edited.bytes()}};
+        {"bytes", bytes}};
     outcome.text = fmt::format(
         "{}: {} control coefficients moved, {} samples touched in columns {} to {}, rows {} to "
         "{}\n",
-        options.out, moves.size(), grouped(touched), box.col0, box.col0 + box.cols - 1, box.row0,
+        out, moves.size(), grouped(touched), box.col0, box.col0 + box.cols - 1, box.row0,
         box.row0 + box.rows - 1);
     return outcome;
+}
+
+/// Counts what passes.
+class CountingSink final : public ByteSink {
+  public:
+    explicit CountingSink(ByteSink& to) : to_(to) {}
+    Status write(std::span<const std::uint8_t> bytes) override {
+        bytes_ += bytes.size();
+        return to_.write(bytes);
+    }
+    [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
+
+  private:
+    ByteSink& to_;
+    std::uint64_t bytes_ = 0;
+};
+
+Result<Outcome> edit_raster(const Edit& options) {
+    RELIEF_TRY(const auto source, io::open_source(options.in));
+    const auto file = codec::RasterFile::open(source);
+    if (!file.ok()) return located(file.error(), options.in);
+    RELIEF_TRY(const auto moves, moves_of(options, file->layout()));
+    RELIEF_TRY(io::OutputFile out, io::OutputFile::create(options.out));
+    CountingSink edited(out);
+    if (const Status status = codec::add_moves(source, moves, edited); !status.ok())
+        return located(status.error(), options.in);
+    RELIEF_CHECK(out.commit());
+    return raster_outcome(options.out, *file, moves, edited.bytes());
+}
+
+/// Meshes are edited vertex by vertex.
+Result<Outcome> edit_any_mesh(const Edit& options) {
+    if (!options.moves.empty() && !options.level)
+        return Error{ErrorCode::InvalidArgument, "--move needs --level K", ""};
+    const int level = options.level.value_or(0);
+    if (holds_ps(options.in))
+        return edit_ps({options.in, options.out, level, options.moves, options.script});
+    if (!options.script.empty())
+        return Error{ErrorCode::BadInput,
+                     "lists of moves are for rasters and splines on triangles; give commands: "
+                     R"([{"do": "move", "level": 0, "points": [7], "delta": 1}])",
+                     options.script};
+    if (holds_mesh(options.in)) return edit_mesh(options.in, options.out, level, options.moves);
+    return edit_quads(options.in, options.out, level, options.moves);
+}
+
+using Script = nlohmann::json;
+
+/// Commands of the editor rather than moves.
+bool holds_commands(const Script& script) {
+    if (script.is_object()) return script.contains("commands");
+    return script.is_array() && !script.empty() && script[0].is_object() &&
+           script[0].contains("do");
+}
+
+/// What a session sees of a raster besides its file.
+Result<edit::OpenOptions> session_options(const std::shared_ptr<const ByteSource>& source) {
+    RELIEF_TRY(const codec::RasterFile file, codec::RasterFile::open(source));
+    const auto cell = io::cell_size_in_unit(file.description());
+    if (!cell) return edit::OpenOptions{};
+    return edit::OpenOptions{std::array{cell->x, cell->y}};
+}
+
+Result<Bytes> replayed(const std::shared_ptr<const ByteSource>& source, bool raster,
+                       const Edit& options, const Script& script) {
+    edit::OpenOptions open;
+    if (raster) {
+        auto found = session_options(source);
+        if (!found.ok()) return located(found.error(), options.in);
+        open = *found;
+    }
+    auto session = edit::Session::open(source, open);
+    if (!session.ok()) return located(session.error(), options.in);
+    if (const Status status = session->replay(script); !status.ok())
+        return located(status.error(), options.script);
+    return session->file();
+}
+
+Result<Outcome> write_edited_raster(const Edit& options,
+                                    const std::shared_ptr<const ByteSource>& source,
+                                    const Bytes& edited) {
+    RELIEF_TRY(const codec::RasterFile before, codec::RasterFile::open(source));
+    RELIEF_TRY(const codec::RasterFile after, codec::RasterFile::open(edited));
+    const auto& all = after.moves();
+    const auto first = all.begin() + static_cast<std::ptrdiff_t>(before.moves().size());
+    const Outcome outcome = raster_outcome(options.out, before, {first, all.end()}, edited.size());
+    RELIEF_CHECK(io::write_file_atomically(options.out, edited));
+    return outcome;
+}
+
+/// Runs the commands of a script in a session, as the editor does.
+Result<Outcome> run_commands(const Edit& options, const Script& script) {
+    if (!options.moves.empty())
+        return Error{ErrorCode::InvalidArgument,
+                     "--move and a script of commands can not be given together; put the moves "
+                     "into the script",
+                     ""};
+    const bool ps = holds_ps(options.in);
+    const bool mesh = holds_mesh(options.in);
+    const bool quads = holds_quads(options.in);
+    RELIEF_TRY(const auto source, io::open_source(options.in));
+    RELIEF_TRY(Bytes edited, replayed(source, !ps && !mesh && !quads, options, script));
+    if (ps) return write_edited_ps(options.in, options.out, std::move(edited));
+    if (mesh) return write_edited_mesh(options.in, options.out, std::move(edited));
+    if (quads) return write_edited_quads(options.in, options.out, std::move(edited));
+    return write_edited_raster(options, source, edited);
+}
+
+Result<Outcome> run(const Edit& options) {
+    if (!options.script.empty()) {
+        RELIEF_TRY(const auto bytes, io::read_file(options.script));
+        const Script script = Script::parse(bytes.begin(), bytes.end(), nullptr, false);
+        if (holds_commands(script)) return run_commands(options, script);
+    }
+    if (holds_quads(options.in) || holds_mesh(options.in) || holds_ps(options.in))
+        return edit_any_mesh(options);
+    return edit_raster(options);
 }
 
 }  // namespace
@@ -203,7 +282,7 @@ Result<Json> read_moves(const std::string& path) {
     Json script = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
     if (script.is_object() && script.contains("moves")) script = Json(script["moves"]);
     if (script.is_array()) return script;
-    return Error{ErrorCode::BadInput, "is not JSON with a list of moves", path};
+    return Error{ErrorCode::BadInput, "is not JSON with a list of moves or commands", path};
 }
 
 std::string place_of_move(const std::string& path, std::size_t move) {
@@ -256,8 +335,10 @@ void add_edit(Program& program) {
         ->allow_extra_args(false);
     verb->add_option(
         "--script", options->script,
-        "JSON: [{\"level\": 3, \"row\": 10, \"col\": 12, \"delta\": [80]}, ...]; "
-        "\"index\" instead of row and col. Splines on triangles: index, delta [DZ, DX, DY], and "
+        "JSON: a list of the editor's commands, as 'relief view' saves them (docs/protocol.md): "
+        "[{\"do\": \"move\", \"level\": 3, \"points\": [310], \"delta\": 80}, ...]; or of moves. "
+        "Rasters: [{\"level\": 3, \"row\": 10, \"col\": 12, \"delta\": [80]}, ...], \"index\" "
+        "instead of row and col; splines on triangles: index, delta [DZ, DX, DY], and "
         "\"component\" of surfaces in space");
 }
 

@@ -29,7 +29,7 @@ struct QuadFile::State {
     [[nodiscard]] Status check_header() const;
     [[nodiscard]] Status check_moves(const std::vector<QuadMove>& some) const;
     [[nodiscard]] Result<NodalData> decoded(const Hierarchy& hierarchy) const;
-    [[nodiscard]] Result<Numbering> numbering(const mesh::Quadrangulation& finest) const;
+    [[nodiscard]] Result<Numbering> numbering(const mesh::Quadrangulation& mesh, int level) const;
     [[nodiscard]] Result<std::vector<double>> rises(const Hierarchy& hierarchy) const;
 };
 
@@ -65,10 +65,14 @@ Result<NodalData> QuadFile::State::decoded(const Hierarchy& hierarchy) const {
     return of_file(fvs_mesh::reconstruct(hierarchy, coefficients, hierarchy.levels()), "levels");
 }
 
-Result<Numbering> QuadFile::State::numbering(const mesh::Quadrangulation& finest) const {
-    const std::vector<Vec2> places = places_of(finest, base.vertices, digits_of(header));
-    RELIEF_TRY(const Bytes chunk, container.chunk(chunks().numbering()));
-    return read_numbering(chunk, places, finest.quads.size());
+/// Of the mesh of a level: only level 0 has numbers of its own.
+Result<Numbering> QuadFile::State::numbering(const mesh::Quadrangulation& mesh, int level) const {
+    const std::vector<Vec2> places = places_of(mesh, base.vertices, digits_of(header));
+    Bytes chunk;
+    if (level == 0) {
+        RELIEF_TRY(chunk, container.chunk(chunks().numbering()));
+    }
+    return read_numbering(chunk, places, mesh.quads.size());
 }
 
 /// What moves add to the values at the vertices of the finest level of `hierarchy`: each level
@@ -84,7 +88,7 @@ Result<std::vector<double>> QuadFile::State::rises(const Hierarchy& hierarchy) c
         for (const QuadMove& move : moves) {
             if (refined(move.level) != m) continue;
             if (m == header.levels && of_number.empty()) {
-                RELIEF_TRY(const Numbering numbers, numbering(hierarchy.mesh(m)));
+                RELIEF_TRY(const Numbering numbers, numbering(hierarchy.mesh(m), 0));
                 of_number.resize(numbers.vertices.size());
                 for (Index v = 0; v < of_number.size(); ++v) of_number[numbers.vertices[v]] = v;
             }
@@ -220,18 +224,20 @@ Result<QuadSurface> QuadFile::surface(int level) const {
     return QuadSurface{std::move(hierarchy), std::move(data)};
 }
 
+Result<std::vector<Index>> QuadFile::vertex_numbers(int level) const {
+    RELIEF_CHECK(state_->check_level(level));
+    RELIEF_TRY(const Hierarchy hierarchy,
+               Hierarchy::create(state_->base_mesh, state_->refined(level)));
+    RELIEF_TRY(Numbering numbering, state_->numbering(hierarchy.mesh(hierarchy.levels()), level));
+    return std::move(numbering.vertices);
+}
+
 Result<QuadMesh> QuadFile::decode(int level) const {
     RELIEF_CHECK(check_level(state_->chunks(), level));
     RELIEF_CHECK(check_complete(state_->container, state_->chunks(), level));
     RELIEF_TRY(const QuadSurface surface, this->surface(level));
     const mesh::Quadrangulation& mesh = surface.hierarchy.mesh(surface.level());
-    Numbering numbering;
-    if (level == 0) {
-        RELIEF_TRY(numbering, state_->numbering(mesh));
-    } else {
-        const auto places = places_of(mesh, state_->base.vertices, digits_of(state_->header));
-        RELIEF_TRY(numbering, read_numbering({}, places, mesh.quads.size()));
-    }
+    RELIEF_TRY(const Numbering numbering, state_->numbering(mesh, level));
     QuadMesh out;
     out.vertices.resize(mesh.vertex_count());
     out.quads.resize(mesh.quads.size());

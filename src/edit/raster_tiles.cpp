@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "edit/curvature.h"
+
 namespace relief::edit {
 
 namespace {
@@ -47,21 +49,6 @@ Span span_in(std::int64_t count, int lod, const Span& tile, std::int64_t low, st
     const std::int64_t end = high >= count - 1 ? all - 1 : high / step;
     const std::int64_t last = std::min(tile.first + tile.count - 1, end);
     return {first - tile.first, std::max<std::int64_t>(last - first + 1, 0)};
-}
-
-Vec3<double> unit(const Vec3<double>& v) {
-    return (1 / std::sqrt(dot(v, v))) * v;
-}
-
-/// First and second derivatives of a surface in space along u (columns) and v (rows upwards).
-struct Derivatives {
-    Vec3<double> u, v, uu, uv, vv;
-};
-
-double mean_curvature(const Derivatives& d, const Vec3<double>& normal) {
-    const double e = dot(d.u, d.u), f = dot(d.u, d.v), g = dot(d.v, d.v);
-    const double l = dot(d.uu, normal), m = dot(d.uv, normal), n = dot(d.vv, normal);
-    return (e * n - 2 * f * m + g * l) / (2 * (e * g - f * f));
 }
 
 }  // namespace
@@ -137,7 +124,7 @@ Vec3<double> TileFrame::normal(const std::vector<Jets>& components, std::size_t 
 }
 
 double TileFrame::curvature(const std::vector<Jets>& c, std::size_t k) const {
-    Derivatives d;
+    SurfaceDerivatives d;
     d.u = along_columns(*this, c, k);
     d.v = up_the_rows(*this, c, k);
     if (parametric) {

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <string_view>
 
 #include "io/gdal_scope.h"
 #include "io/spatial_reference.h"
@@ -31,6 +33,16 @@ CellSize radii(double phi) {
     return {a * std::cos(phi) / std::sqrt(w2), a * (1 - e2) / (w2 * std::sqrt(w2))};
 }
 
+double metres_of(const std::string& unit) {
+    constexpr std::array<std::string_view, 3> feet = {"ft", "foot", "feet"};
+    constexpr std::array<std::string_view, 4> survey_feet = {"US survey foot", "ftUS", "us-ft",
+                                                             "Foot_US"};
+    if (std::find(feet.begin(), feet.end(), unit) != feet.end()) return 0.3048;
+    if (std::find(survey_feet.begin(), survey_feet.end(), unit) != survey_feet.end())
+        return 1200.0 / 3937;
+    return 1;
+}
+
 }  // namespace
 
 CellSize cell_size_metres(const GeoReference& geo, std::int64_t rows) {
@@ -49,6 +61,13 @@ CellSize cell_size_metres(const GeoReference& geo, std::int64_t rows) {
     const CellSize cell{std::hypot(t[1] * scale.x, t[4] * scale.y),
                         std::hypot(t[2] * scale.x, t[5] * scale.y)};
     return cell.x > 0 && cell.y > 0 ? cell : CellSize{};
+}
+
+std::optional<CellSize> cell_size_in_unit(const Raster& about) {
+    if (about.geo.crs.empty() || !about.geo.transform) return {};
+    const CellSize cell = cell_size_metres(about.geo, about.rows);
+    const double unit = metres_of(about.unit);
+    return CellSize{cell.x / unit, cell.y / unit};
 }
 
 }  // namespace relief::io

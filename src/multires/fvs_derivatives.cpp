@@ -17,112 +17,156 @@ constexpr std::int64_t kGrain = 256;
 constexpr double kDetermined = 1e-3;  ///< smallest pivot of a fit that determines a quadratic
 constexpr double kPlanePivot = 1e-14;
 
-/// s(x) = value + gradient . d + (xx dx^2 + 2 xy dx dy + yy dy^2) / 2, d = x - vertex.
-struct Quadratic {
-    Vec2 gradient;
-    double xx = 0;
-    double xy = 0;
-    double yy = 0;
-
-    [[nodiscard]] Vec2 gradient_at(Vec2 d) const {
-        return {gradient.x + xx * d.x + xy * d.y, gradient.y + xy * d.x + yy * d.y};
-    }
-};
-
-struct Neighbour {
-    Vec2 offset;
-    double rise = 0;
-};
-
-/// The first `unknowns` (2: a plane, 5: a quadratic) of gradient and Hessian through the origin.
-/// Distances are divided by their mean, so that pivots do not depend on units.
-std::optional<Quadratic> fit_through_origin(const std::vector<Neighbour>& neighbours,
-                                            std::size_t unknowns, double smallest_pivot) {
-    double size = 0;
-    for (const Neighbour& n : neighbours) size += length(n.offset);
-    size /= static_cast<double>(neighbours.size());
-    std::vector<double> normal(unknowns * unknowns);
-    std::array<double, 5> x{};
-    for (const Neighbour& n : neighbours) {
-        const Vec2 d = (1 / size) * n.offset;
-        const double weight = 1 / dot(d, d);
-        const std::array<double, 5> row = {d.x, d.y, 0.5 * d.x * d.x, d.x * d.y, 0.5 * d.y * d.y};
-        for (std::size_t i = 0; i < unknowns; ++i) {
-            for (std::size_t j = 0; j <= i; ++j)
-                normal[i * unknowns + j] += weight * row[i] * row[j];
-            x[i] += weight * row[i] * n.rise;
-        }
-    }
-    const auto cholesky = SmallCholesky::factor(std::move(normal), unknowns, smallest_pivot);
-    if (!cholesky) return std::nullopt;
-    cholesky->solve(x.data());
-    const double squared = size * size;
-    return Quadratic{{x[0] / size, x[1] / size}, x[2] / squared, x[3] / squared, x[4] / squared};
-}
-
-/// The quadratics at the vertices of one mesh.
-class LocalFit {
+/// Least squares of the first `unknowns` (2: a plane, 5: a quadratic) of gradient and Hessian
+/// through the origin. Distances are divided by their mean, so that pivots do not depend on units.
+class OriginFit {
   public:
-    LocalFit(const Quadrangulation& mesh, std::span<const double> values)
-        : mesh_(mesh), values_(values), quads_(mesh::vertex_quads(mesh)) {}
+    static std::optional<OriginFit> create(const std::vector<Vec2>& offsets, std::size_t unknowns,
+                                           double smallest_pivot) {
+        double size = 0;
+        for (const Vec2 offset : offsets) size += length(offset);
+        size /= static_cast<double>(offsets.size());
+        std::vector<double> normal(unknowns * unknowns);
+        for (const Vec2 offset : offsets) {
+            const Vec2 d = (1 / size) * offset;
+            const double weight = 1 / dot(d, d);
+            const std::array<double, 5> row = row_of(d);
+            for (std::size_t i = 0; i < unknowns; ++i)
+                for (std::size_t j = 0; j <= i; ++j)
+                    normal[i * unknowns + j] += weight * row[i] * row[j];
+        }
+        auto cholesky = SmallCholesky::factor(std::move(normal), unknowns, smallest_pivot);
+        if (!cholesky) return std::nullopt;
+        return OriginFit(size, unknowns, *std::move(cholesky));
+    }
 
-    [[nodiscard]] Quadratic at(Index v) const {
-        const std::vector<Index> first = ring({v});
-        if (const auto fit = fit_through_origin(neighbours(v, first), 5, kDetermined)) return *fit;
-        if (const auto fit = fit_through_origin(neighbours(v, ring(first)), 5, kDetermined))
-            return *fit;
-        return fit_through_origin(neighbours(v, first), 2, kPlanePivot).value_or(Quadratic{});
+    /// Adds a point to the right-hand side.
+    void add(Vec2 offset, double rise, std::array<double, 5>& x) const {
+        const Vec2 d = (1 / size_) * offset;
+        const double weight = 1 / dot(d, d);
+        const std::array<double, 5> row = row_of(d);
+        for (std::size_t i = 0; i < unknowns_; ++i) x[i] += weight * row[i] * rise;
+    }
+
+    [[nodiscard]] VertexQuadratic solved(std::array<double, 5> x) const {
+        cholesky_.solve(x.data());
+        const double squared = size_ * size_;
+        return {{x[0] / size_, x[1] / size_}, x[2] / squared, x[3] / squared, x[4] / squared};
     }
 
   private:
-    /// All vertices of the quads at the given ones, ascending.
-    [[nodiscard]] std::vector<Index> ring(const std::vector<Index>& vertices) const {
-        std::vector<Index> found;
-        for (const Index v : vertices)
-            for (const Index q : quads_.of(v))
-                found.insert(found.end(), mesh_.quads[q].begin(), mesh_.quads[q].end());
-        std::sort(found.begin(), found.end());
-        found.erase(std::unique(found.begin(), found.end()), found.end());
-        return found;
+    OriginFit(double size, std::size_t unknowns, SmallCholesky cholesky)
+        : size_(size), unknowns_(unknowns), cholesky_(std::move(cholesky)) {}
+    static std::array<double, 5> row_of(Vec2 d) {
+        return {d.x, d.y, 0.5 * d.x * d.x, d.x * d.y, 0.5 * d.y * d.y};
     }
 
-    [[nodiscard]] std::vector<Neighbour> neighbours(Index v,
-                                                    const std::vector<Index>& vertices) const {
-        std::vector<Neighbour> list;
-        for (const Index w : vertices)
-            if (w != v)
-                list.push_back({mesh_.vertex(w) - mesh_.vertex(v), values_[w] - values_[v]});
-        return list;
+    double size_;
+    std::size_t unknowns_;
+    SmallCholesky cholesky_;
+};
+
+/// All vertices of the quads at the given ones, ascending: of one vertex its 1-ring.
+std::vector<Index> ring(const Quadrangulation& mesh, const mesh::VertexQuads& quads,
+                        std::span<const Index> vertices) {
+    std::vector<Index> found;
+    for (const Index v : vertices)
+        for (const Index q : quads.of(v))
+            found.insert(found.end(), mesh.quads[q].begin(), mesh.quads[q].end());
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    return found;
+}
+
+/// The vertices around one to which its quadratic is fitted, and the fit; none if they are
+/// collinear with it.
+struct VertexFit {
+    std::vector<Index> around;
+    std::vector<Vec2> offsets;
+    std::optional<OriginFit> fit;
+
+    VertexFit(const Quadrangulation& mesh, const mesh::VertexQuads& quads, Index v) {
+        const std::vector<Index> first = ring(mesh, quads, {&v, 1});
+        take(mesh, first, v);
+        if ((fit = OriginFit::create(offsets, 5, kDetermined))) return;
+        take(mesh, ring(mesh, quads, first), v);
+        if ((fit = OriginFit::create(offsets, 5, kDetermined))) return;
+        take(mesh, first, v);
+        fit = OriginFit::create(offsets, 2, kPlanePivot);
     }
 
-    const Quadrangulation& mesh_;
-    std::span<const double> values_;
-    mesh::VertexQuads quads_;
+  private:
+    void take(const Quadrangulation& mesh, const std::vector<Index>& vertices, Index v) {
+        around.clear();
+        offsets.clear();
+        for (const Index w : vertices) {
+            if (w == v) continue;
+            around.push_back(w);
+            offsets.push_back(mesh.vertex(w) - mesh.vertex(v));
+        }
+    }
 };
 
 }  // namespace
+
+VertexQuadratic LocalInterpolation::quadratic(std::span<const double> values, Index v) const {
+    const VertexFit known(*mesh_, quads_, v);
+    if (!known.fit) return {};
+    std::array<double, 5> sum{};
+    for (std::size_t k = 0; k < known.around.size(); ++k)
+        known.fit->add(known.offsets[k], values[known.around[k]] - values[v], sum);
+    return known.fit->solved(sum);
+}
+
+QuadraticRule LocalInterpolation::rule(Index v) const {
+    const VertexFit known(*mesh_, quads_, v);
+    QuadraticRule rule;
+    if (!known.fit) return rule;
+    rule.shares.reserve(known.around.size());
+    for (std::size_t k = 0; k < known.around.size(); ++k) {
+        std::array<double, 5> one{};
+        known.fit->add(known.offsets[k], 1, one);
+        rule.shares.push_back({known.around[k], known.fit->solved(one)});
+    }
+    return rule;
+}
+
+VertexQuadratic QuadraticRule::apply(std::span<const double> values, Index v) const {
+    VertexQuadratic sum;
+    for (const Share& share : shares) {
+        const double rise = values[share.vertex] - values[v];
+        sum.gradient = sum.gradient + rise * share.quadratic.gradient;
+        sum.xx += rise * share.quadratic.xx;
+        sum.xy += rise * share.quadratic.xy;
+        sum.yy += rise * share.quadratic.yy;
+    }
+    return sum;
+}
+
+double LocalInterpolation::normal(Index e, const VertexQuadratic& from,
+                                  const VertexQuadratic& to) const {
+    const Vec2 half = 0.5 * mesh_->edge_vector(e);
+    const Vec2 gradient = midpoint(from.gradient_at(half), to.gradient_at(-1.0 * half));
+    return dot(gradient, turned(unit(mesh_->edge_vector(e))));
+}
 
 Result<NodalData> interpolate_values(const Quadrangulation& mesh, std::span<const double> values) {
     NodalData data = make_nodal<double>(mesh);
     data.value.assign(values.begin(), values.end());
     RELIEF_CHECK(check(mesh, data));
-    const LocalFit local(mesh, values);
-    std::vector<Quadratic> fits(values.size());
+    const LocalInterpolation local(mesh);
+    std::vector<VertexQuadratic> fits(values.size());
     parallel_for(0, static_cast<std::int64_t>(values.size()), kGrain,
                  [&](std::int64_t first, std::int64_t last) {
                      for (std::int64_t v = first; v < last; ++v)
-                         fits[v] = local.at(static_cast<Index>(v));
+                         fits[v] = local.quadratic(values, static_cast<Index>(v));
                  });
     for (Index v = 0; v < mesh.vertex_count(); ++v) {
         data.dx[v] = fits[v].gradient.x;
         data.dy[v] = fits[v].gradient.y;
     }
-    for (Index e = 0; e < mesh.edge_count(); ++e) {
-        const auto [a, b] = mesh.edges[e];
-        const Vec2 half = 0.5 * mesh.edge_vector(e);
-        const Vec2 gradient = midpoint(fits[a].gradient_at(half), fits[b].gradient_at(-1.0 * half));
-        data.normal[e] = dot(gradient, turned(unit(mesh.edge_vector(e))));
-    }
+    for (Index e = 0; e < mesh.edge_count(); ++e)
+        data.normal[e] = local.normal(e, fits[mesh.edges[e][0]], fits[mesh.edges[e][1]]);
     RELIEF_CHECK(check(mesh, data));
     return data;
 }

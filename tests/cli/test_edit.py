@@ -230,6 +230,90 @@ class Layers(Edit):
         self.assertEqual(samples(self.path("out.tif")).max(), 255)
 
 
+class Commands(Edit):
+    """Scripts of the editor's commands."""
+
+    def script(self, commands):
+        path = self.path("script.json")
+        with open(path, "w", encoding="ascii") as file:
+            json.dump(commands, file)
+        return path
+
+    def assert_same_file(self, one, other):
+        with open(one, "rb") as a, open(other, "rb") as b:
+            self.assertEqual(a.read(), b.read())
+
+    def test_rasters(self):
+        file, _ = self.encoded(self.raster("dem.tif", hills(61, 75), transform=NORTH_UP))
+        expected, _ = self.edited(file, "--level", 2, "--move", "100:30", "--move", "101:30")
+        move = {"do": "move", "level": 2, "points": [100, 101], "delta": 30}
+        undone = [move, {"do": "move", "level": 0, "points": [5], "delta": 1},
+                  {"do": "drag", "of": "move", "level": 0, "points": [6], "delta": 1},
+                  {"do": "undo"}]
+        for commands in ([move], {"commands": [move]}, undone):
+            target, report = self.edited(file, "--script", self.script(commands),
+                                         name="script.relief")
+            self.assert_same_file(expected, target)
+            self.assertEqual((report["moved"], report["edits"]), (2, 2))
+        self.refuse(2, "edit", file, self.path("new.relief"), "--script", self.script([move]),
+                    "--level", 1, "--move", "3:1", says="together")
+        self.refuse(2, "edit", file, self.path("new.relief"), "--script",
+                    self.script([move, {"do": "move", "level": 40, "points": [1], "delta": 1}]),
+                    says=("script.json", "command 2", "no level 40"))
+
+    def test_falloff_is_measured_in_the_unit_of_heights(self):
+        # Samples of 30 m beside heights in feet: 98.4 ft apart.
+        values = hills(33, 33)
+        dem = self.raster("dem.tif", values, transform=NORTH_UP, epsg=26911, unit="ft")
+        file, _ = self.encoded(dem, "--order", 1)
+        move = {"do": "move", "level": 0, "points": [16 * 33 + 16], "delta": 8,
+                "falloff": {"radius": 200, "profile": "linear"}}
+        target, _ = self.edited(file, "--script", self.script([move]))
+        i, j = np.mgrid[0:33, 0:33]
+        distance = np.hypot(i - 16, j - 16) * 30 / 0.3048
+        rise = self.decoded(target)[0] - self.decoded(file)[0]
+        # UTM changes lengths by less than a thousandth of them, which is taken as it is.
+        np.testing.assert_allclose(rise, 8 * np.maximum(0, 1 - distance / 200), atol=1e-9)
+
+    def test_quads(self):
+        mesh = self.path("mesh.off")
+        places = [(c, r, np.sin(c) * np.cos(r)) for r in range(9) for c in range(9)]
+        quads = [(v, v + 1, v + 10, v + 9) for v in (9 * r + c for r in range(8) for c in range(8))]
+        with open(mesh, "w", encoding="ascii") as out:
+            out.write(f"OFF\n{len(places)} {len(quads)} 0\n")
+            out.writelines("{!r} {!r} {!r}\n".format(*map(float, place)) for place in places)
+            out.writelines("4 {} {} {} {}\n".format(*quad) for quad in quads)
+        file = self.path("mesh.relief")
+        self.json("encode", mesh, file)
+        expected, by_move = self.edited(file, "--level", 1, "--move", "7:2.5")
+        commands = [{"do": "move", "level": 1, "points": [7], "delta": [0, 0, 2.5]}]
+        target, report = self.edited(file, "--script", self.script(commands), name="script.relief")
+        self.assert_same_file(expected, target)
+        self.assertEqual(report, by_move)
+        self.refuse(2, "edit", file, self.path("new.relief"), "--script",
+                    self.script([{"do": "tilt", "level": 1, "points": [7], "slope": [1, 0]}]),
+                    says="no slope")
+        self.refuse(1, "edit", file, self.path("new.relief"), "--script",
+                    self.script([{"level": 1, "index": 3, "delta": 1}]), says="commands")
+
+    def test_triangles(self):
+        points = self.path("points.csv")
+        rng = np.random.default_rng(3)
+        with open(points, "w", encoding="ascii") as out:
+            out.writelines("{!r},{!r},{!r}\n".format(*map(float, (x, y, np.sin(x * y))))
+                           for x, y in rng.uniform(0, 3, (60, 2)))
+        file = self.path("points.relief")
+        self.json("fit", points, file)
+        expected, by_move = self.edited(file, "--level", 0, "--move", "7:2.5", "--move",
+                                        "9:0,1,-0.5")
+        commands = [{"do": "move", "level": 0, "points": [7], "delta": 2.5},
+                    {"do": "tilt", "level": 0, "points": [9], "slope": [1, -0.5]}]
+        target, report = self.edited(file, "--script", self.script({"commands": commands}),
+                                     name="script.relief")
+        self.assert_same_file(expected, target)
+        self.assertEqual(report, by_move)
+
+
 class Parametric(Edit):
     def test_components_move_apart(self):
         planes = [hills(40, 44, seed) for seed in (1, 2, 3)]

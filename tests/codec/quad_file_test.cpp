@@ -372,6 +372,25 @@ TEST(QuadFile, PrefixesHoldCoarserLevels) {
     EXPECT_FALSE(QuadFile::open(source, whole.bytes_for(2) - 1).ok());
 }
 
+TEST(QuadFile, NumbersOfVerticesAreThoseOfDecodedMeshes) {
+    const QuadMesh mesh = shuffled(surface_on(built(test::grid_mesh(4, 3, 1, 0.15)), 2), 5);
+    const QuadFile file = opened(encoded(mesh, {Kind::Lossless, 0}).bytes);
+    for (int level = 0; level <= file.levels(); ++level) {
+        const QuadMesh decoded = *file.decode(level);
+        const QuadSurface surface = *file.surface(level);
+        const mesh::Quadrangulation& plane = surface.hierarchy.mesh(surface.level());
+        const std::vector<mesh::Index> numbers = *file.vertex_numbers(level);
+        ASSERT_EQ(numbers.size(), decoded.vertices.size());
+        for (mesh::Index v = 0; v < numbers.size(); ++v) {
+            const auto& [x, y, z] = decoded.vertices[numbers[v]];
+            EXPECT_NEAR(x, plane.origin.x + plane.x[v], 1e-12);
+            EXPECT_NEAR(y, plane.origin.y + plane.y[v], 1e-12);
+            EXPECT_EQ(z, surface.data.value[v]);
+        }
+    }
+    EXPECT_FALSE(file.vertex_numbers(3).ok());
+}
+
 TEST(QuadFile, MovesAddTheSplineThroughThem) {
     const QuadMesh mesh = shuffled(surface_on(built(test::grid_mesh(4, 3, 1, 0.15)), 2, 0.05), 5);
     const Bytes bytes = encoded(mesh, {Kind::Lossless, 0}).bytes;

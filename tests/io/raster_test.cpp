@@ -507,6 +507,20 @@ TEST(CellSizeMetres, FollowsTheCrs) {
     EXPECT_NEAR(cell_size_metres(geo, 1).y, 111412, 1);
 }
 
+TEST(CellSizeInUnit, IsThatOfTheHeights) {
+    Raster about;
+    about.geo.transform = {0, 25, 0, 0, 0, -20};
+    EXPECT_FALSE(cell_size_in_unit(about));
+    about.geo.crs = "EPSG:26911";  // metres
+    EXPECT_EQ(cell_size_in_unit(about), (CellSize{25, 20}));
+    about.unit = "m";
+    EXPECT_EQ(cell_size_in_unit(about), (CellSize{25, 20}));
+    about.unit = "ft";
+    EXPECT_NEAR(cell_size_in_unit(about)->y, 20 / 0.3048, 1e-9);
+    about.unit = "US survey foot";
+    EXPECT_NEAR(cell_size_in_unit(about)->x, 25 * 3937.0 / 1200, 1e-9);
+}
+
 TEST_F(RasterTest, FileKindsAreRecognisedByContentThenExtension) {
     const auto kind = [&](const std::string& name, const std::string& content) {
         std::ofstream(path(name), std::ios::binary) << content;

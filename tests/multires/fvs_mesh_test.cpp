@@ -227,6 +227,34 @@ TEST(FvsMesh, DerivativesFromValuesAreExactForQuadratics) {
     }
 }
 
+TEST(FvsMesh, LocalInterpolationIsThatOfAllValues) {
+    for (const Quadrangulation& mesh : test::mesh_family()) {
+        std::vector<double> values;
+        for (Index v = 0; v < mesh.vertex_count(); ++v)
+            values.push_back(waves(0.1 * (mesh.origin + mesh.vertex(v))).value);
+        const NodalData data = *interpolate_values(mesh, values);
+        const LocalInterpolation local(mesh);
+        std::vector<VertexQuadratic> quadratics;
+        for (Index v = 0; v < mesh.vertex_count(); ++v) {
+            const VertexQuadratic fit = local.quadratic(values, v);
+            EXPECT_EQ(fit.gradient, (Vec2{data.dx[v], data.dy[v]}));
+            // Sums in another order: roundings of rises below 2 over distances from 0.1 on, in
+            // fits whose pivots are 1e-3 at least.
+            const VertexQuadratic same = local.rule(v).apply(values, v);
+            EXPECT_NEAR(same.gradient.x, fit.gradient.x, 1e-10);
+            EXPECT_NEAR(same.gradient.y, fit.gradient.y, 1e-10);
+            EXPECT_NEAR(same.xx, fit.xx, 1e-9);
+            EXPECT_NEAR(same.xy, fit.xy, 1e-9);
+            EXPECT_NEAR(same.yy, fit.yy, 1e-9);
+            quadratics.push_back(fit);
+        }
+        for (Index e = 0; e < mesh.edge_count(); ++e) {
+            const auto [from, to] = mesh.edges[e];
+            EXPECT_EQ(local.normal(e, quadratics[from], quadratics[to]), data.normal[e]);
+        }
+    }
+}
+
 TEST(FvsMesh, DerivativesFromValuesFallBackToPlanes) {
     const auto plane = [](Vec2 p) { return PlaneJet{1 + 2 * p.x - 3 * p.y, {2, -3}}; };
     for (const test::QuadMesh& source : {test::random_quad(3), test::grid_mesh(7, 1)}) {

@@ -136,6 +136,8 @@ class QuadFile {
 
     /// Errors: InvalidArgument for a level that the file does not have; BadFile.
     [[nodiscard]] Result<QuadSurface> surface(int level) const;
+    /// What decode(level) calls the vertices of surface(level). Errors: as surface.
+    [[nodiscard]] Result<std::vector<mesh::Index>> vertex_numbers(int level) const;
     /// Its vertices and quads; level 0 is numbered as what was encoded, others as mesh::refine
     /// does. Errors: as surface.
     [[nodiscard]] Result<QuadMesh> decode(int level) const;

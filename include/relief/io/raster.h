@@ -122,4 +122,8 @@ struct CellSize {
 /// metres.
 [[nodiscard]] CellSize cell_size_metres(const GeoReference& geo, std::int64_t rows);
 
+/// The same in the unit of a raster's heights: feet and US survey feet by their names, anything
+/// else is taken for metres. Nothing without a transform or a CRS. Planes are not read.
+[[nodiscard]] std::optional<CellSize> cell_size_in_unit(const Raster& about);
+
 }  // namespace relief::io

@@ -88,6 +88,55 @@ struct Decomposition {
 [[nodiscard]] Result<NodalData> interpolate_values(const mesh::Quadrangulation& mesh,
                                                    std::span<const double> values);
 
+/// The quadratic through a vertex that interpolate_values fits there: value + gradient . d + (xx
+/// dx^2 + 2 xy dx dy + yy dy^2) / 2, d being the way from the vertex.
+struct VertexQuadratic {
+    Vec2 gradient;
+    double xx = 0;
+    double xy = 0;
+    double yy = 0;
+
+    [[nodiscard]] Vec2 gradient_at(Vec2 d) const {
+        return {gradient.x + xx * d.x + xy * d.y, gradient.y + xy * d.x + yy * d.y};
+    }
+    friend bool operator==(const VertexQuadratic&, const VertexQuadratic&) = default;
+};
+
+/// How the quadratic of a vertex follows from values: of each vertex around, what a rise of 1 above
+/// the vertex itself adds.
+struct QuadraticRule {
+    struct Share {
+        mesh::Index vertex = 0;
+        VertexQuadratic quadratic;
+    };
+    std::vector<Share> shares;
+
+    /// Complexity: O(shares); 9 operations for each.
+    [[nodiscard]] VertexQuadratic apply(std::span<const double> values, mesh::Index v) const;
+};
+
+/// The parts of interpolate_values one by one: for values of which few change. Immutable; several
+/// threads may ask.
+class LocalInterpolation {
+  public:
+    /// The mesh must outlive this and keep its address. Complexity: O(n).
+    explicit LocalInterpolation(const mesh::Quadrangulation& mesh)
+        : mesh_(&mesh), quads_(mesh::vertex_quads(mesh)) {}
+
+    /// To the bit that of interpolate_values; it depends on values of the 2-ring at most. Requires:
+    /// a value for each vertex, finite.
+    [[nodiscard]] VertexQuadratic quadratic(std::span<const double> values, mesh::Index v) const;
+    /// The same up to rounding, for many values: it depends on the mesh alone.
+    [[nodiscard]] QuadraticRule rule(mesh::Index v) const;
+    /// The normal derivative at the middle of an edge from the quadratics of its ends.
+    [[nodiscard]] double normal(mesh::Index e, const VertexQuadratic& from,
+                                const VertexQuadratic& to) const;
+
+  private:
+    const mesh::Quadrangulation* mesh_;
+    mesh::VertexQuads quads_;
+};
+
 /// `size_mismatch` or `non_finite_data` (also beyond 1e150, where squares overflow), if there is
 /// such an error.
 [[nodiscard]] Status check(const mesh::Quadrangulation& mesh, const NodalData& data);
