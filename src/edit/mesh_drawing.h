@@ -10,7 +10,7 @@ namespace relief::edit {
 /// A mesh as the editor draws it. Page coordinates are relative to `origin`.
 struct MeshDrawing {
     const mesh::Topology& mesh;
-    const VertexCorners& corners;
+    const VertexFaces& around;
     const MeshPoints& points;
     const MeshPoints* original = nullptr;    ///< null: errors are not known
     std::span<const mesh::Index> numbers{};  ///< what vertices are called; empty: as they are
@@ -33,6 +33,9 @@ struct MeshDrawing {
   private:
     [[nodiscard]] Vec3<double> normal(mesh::Index v) const;
     [[nodiscard]] float error(mesh::Index v, const Vec3<double>& normal) const;
+    /// Into place `at` of the arrays that are there.
+    template <class Geometry>
+    void draw(mesh::Index v, std::size_t at, Geometry& out) const;
 };
 
 }  // namespace relief::edit

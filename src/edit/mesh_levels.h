@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "edit/vertex_corners.h"
+#include "edit/vertex_faces.h"
 #include "relief/codec/mesh_codec.h"
 
 namespace relief::edit {
@@ -12,8 +12,8 @@ using MeshPoints = std::vector<Vec3<double>>;
 /// What of an opened mesh does not change.
 struct MeshLevels {
     codec::MeshParts parts;
-    std::vector<VertexCorners> corners;  ///< [depth]
-    double tolerance = 0;                ///< changes that are smaller are none
+    std::vector<VertexFaces> around;  ///< [depth]
+    double tolerance = 0;             ///< changes that are smaller are none
 
     [[nodiscard]] const multires::MeshHierarchy& hierarchy() const { return *parts.hierarchy; }
     [[nodiscard]] int steps() const { return hierarchy().steps(); }

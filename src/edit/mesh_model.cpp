@@ -44,9 +44,9 @@ class MeshGraph final : public NetGraph {
 
     [[nodiscard]] std::uint64_t count() const override { return drawing_.points.size(); }
     void neighbours(std::uint64_t point, std::vector<std::uint64_t>& out) const override {
-        std::vector<Index> around;
-        drawing_.corners.neighbours(drawing_.mesh, vertex(point), around);
-        for (const Index v : around) out.push_back(drawing_.number(v));
+        std::vector<Index> neighbours;
+        drawing_.around.neighbours(drawing_.mesh, vertex(point), neighbours);
+        for (const Index v : neighbours) out.push_back(drawing_.number(v));
     }
     [[nodiscard]] double distance(std::uint64_t, std::uint64_t from, double d,
                                   std::uint64_t to) const override {
@@ -73,7 +73,7 @@ MeshModel::MeshModel(std::shared_ptr<const ByteSource> source, codec::MeshFile f
     for (Index v = 0; v < vertex_of_number_.size(); ++v)
         vertex_of_number_[levels_.parts.numbers[v]] = v;
     for (int depth = 0; depth <= levels_.steps(); ++depth)
-        levels_.corners.emplace_back(levels_.topology(depth));
+        levels_.around.emplace_back(levels_.topology(depth));
     for (const MeshPoints& points : points_)
         touched_.push_back({{}, std::vector<bool>(points.size(), false)});
 }
@@ -141,7 +141,7 @@ Index MeshModel::vertex_of(int depth, std::uint64_t point) const {
 
 MeshDrawing MeshModel::drawing(int level, const std::vector<MeshPoints>& points) const {
     const auto depth = static_cast<std::size_t>(depth_of(level));
-    MeshDrawing drawing{levels_.topology(depth_of(level)), levels_.corners[depth], points[depth],
+    MeshDrawing drawing{levels_.topology(depth_of(level)), levels_.around[depth], points[depth],
                         &original_[depth]};
     if (level == 0) drawing.numbers = levels_.parts.numbers;
     drawing.origin = description_.origin;
@@ -261,10 +261,10 @@ MeshPoints MeshModel::original_by_number() const {
 Result<SurfaceGeometry> MeshModel::compressed_surface(const View& view) const {
     RELIEF_TRY(const PolygonMesh decoded, compressed_->decode(view.level));
     RELIEF_TRY(const mesh::Topology mesh, topology_of(decoded));
-    const VertexCorners corners(mesh);
+    const VertexFaces around(mesh);
     const MeshPoints points = points_of(decoded);
     const MeshPoints original = original_by_number();
-    MeshDrawing drawing{mesh, corners, points, view.level == 0 ? &original : nullptr};
+    MeshDrawing drawing{mesh, around, points, view.level == 0 ? &original : nullptr};
     drawing.origin = description_.origin;
     return drawing.surface(view.extras);
 }

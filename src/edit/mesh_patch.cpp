@@ -25,7 +25,7 @@ Result<MeshPatch> MeshPatch::create(const MeshLevels& levels, int depth, const M
                                     std::span<const VertexChange> changes, int rings) {
     const multires::MeshHierarchy& whole = levels.hierarchy();
     MeshRegion region = region_around(whole.topology(depth), whole.tags(depth),
-                                      levels.corners[static_cast<std::size_t>(depth)],
+                                      levels.around[static_cast<std::size_t>(depth)],
                                       vertices_of(changes), rings, whole.spec().split(depth));
     MeshPatch patch;
     patch.rings_ = rings;

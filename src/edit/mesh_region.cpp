@@ -17,9 +17,9 @@ constexpr int kFar = -1;
 /// Finds the faces of a region.
 class Search {
   public:
-    Search(const Topology& mesh, const VertexCorners& corners)
+    Search(const Topology& mesh, const VertexFaces& around)
         : mesh_(mesh),
-          corners_(corners),
+          around_(around),
           has_(mesh.face_count, false),
           rings_(mesh.vertex_count, kFar) {}
 
@@ -56,7 +56,7 @@ class Search {
 
     bool add_around(Index v, int ring) {
         bool any = false;
-        for (const Index h : corners_.of(v)) any = add(mesh_.face_of(h), ring) || any;
+        for (const Index f : around_.of(v)) any = add(f, ring) || any;
         return any;
     }
 
@@ -87,7 +87,7 @@ class Search {
     }
 
     const Topology& mesh_;
-    const VertexCorners& corners_;
+    const VertexFaces& around_;
     std::vector<bool> has_;
     std::vector<int> rings_;
     std::vector<Index> next_;
@@ -187,9 +187,9 @@ class Extraction {
 }  // namespace
 
 MeshRegion region_around(const Topology& mesh, const multires::MeshTags& tags,
-                         const VertexCorners& corners, std::span<const Index> seeds, int rings,
+                         const VertexFaces& around, std::span<const Index> seeds, int rings,
                          mesh::Split split) {
-    Search search(mesh, corners);
+    Search search(mesh, around);
     search.spread(seeds, rings);
     search.close(rings, split);
     return Extraction(mesh, tags, search).run();

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "edit/vertex_corners.h"
+#include "edit/vertex_faces.h"
 #include "relief/multires/mesh_step.h"
 
 namespace relief::edit {
@@ -25,7 +25,7 @@ struct MeshRegion {
 /// for an even sqrt(3) step, also so that no face has two boundary edges. Complexity: O(mesh), and
 /// each ring in the order of the search.
 [[nodiscard]] MeshRegion region_around(const mesh::Topology& mesh, const multires::MeshTags& tags,
-                                       const VertexCorners& corners,
+                                       const VertexFaces& around,
                                        std::span<const mesh::Index> seeds, int rings,
                                        mesh::Split split);
 

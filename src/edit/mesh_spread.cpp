@@ -4,7 +4,7 @@ namespace relief::edit {
 
 namespace {
 
-/// Around what changes, at first: the lift falls off by about a half a ring.
+/// Around what changes, at first; then half as many more: the lift falls off by a half a ring.
 constexpr int kRings = 8;
 
 }  // namespace
@@ -16,9 +16,9 @@ Result<std::vector<VertexChange>> MeshSpread::spread_step(int step, const MeshPo
     int rings = kRings;
     if (patch && patch->covers(changes)) {
         if (auto result = patch->spread(changes)) return *std::move(result);
-        rings = 2 * patch->rings();
+        rings = patch->rings() * 3 / 2;
     }
-    for (;; rings *= 2) {
+    for (;; rings = rings * 3 / 2) {
         RELIEF_TRY(patch, MeshPatch::create(*levels_, step, points, changes, rings));
         if (auto result = patch->spread(changes)) return *std::move(result);
     }

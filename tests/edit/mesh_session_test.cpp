@@ -164,15 +164,15 @@ TEST(MeshSession, AnEditFarAwayTouchesNothingHere) {
 
 /// A coarse patch, turned: the details far inside it turn with it.
 TEST(MeshSession, TurnedPatchesTakeTheirDetailsAlong) {
-    const PolygonMesh mesh = subdivided(test::grid(40, 40, true), MeshScheme::Loop, 2, 0.01);
+    const PolygonMesh mesh = subdivided(test::grid(28, 28, true), MeshScheme::Loop, 2, 0.01);
     Session session = opened(encoded(mesh, {.scheme = MeshScheme::Loop}));
     const PolygonMesh base = decoded(session, 2);
     Json script = Json::array();
-    // A quarter turn about (20, 20) of all within 10, in moves of their own.
+    // A quarter turn about (14, 14) of all within 8, in moves of their own.
     for (std::size_t v = 0; v < base.vertices.size(); ++v) {
-        const double x = base.vertices[v][0] - 20;
-        const double y = base.vertices[v][1] - 20;
-        if (std::hypot(x, y) > 10) continue;
+        const double x = base.vertices[v][0] - 14;
+        const double y = base.vertices[v][1] - 14;
+        if (std::hypot(x, y) > 8) continue;
         script.push_back(
             {{"do", "move"}, {"level", 2}, {"points", {v}}, {"delta", {-y - x, x - y, 0}}});
     }
@@ -185,16 +185,16 @@ TEST(MeshSession, TurnedPatchesTakeTheirDetailsAlong) {
     double most = 0;
     for (std::size_t v = 0; v < before.position.size(); ++v) {
         const Point& p = before.position[v];
-        const double x = p[0] + o.x - 20;
-        const double y = p[1] + o.y - 20;
+        const double x = p[0] + o.x - 14;
+        const double y = p[1] + o.y - 14;
         if (std::hypot(x, y) > 2) continue;
-        const Vec3<double> expected{20 - y - o.x, 20 + x - o.y, p[2]};
+        const Vec3<double> expected{14 - y - o.x, 14 + x - o.y, p[2]};
         const Point& q = after.position[v];
         most = std::max(most, length(Vec3<double>{q[0], q[1], q[2]} - expected));
     }
-    // What the surface around it, which stays, does to the lift falls off by a half a ring, and is
-    // 8 rings away.
-    EXPECT_LT(most, 1e-4);
+    // Details are of 0.01. What the surface around, which stays, does to the lift falls off by a
+    // half a ring, and is 6 rings away.
+    EXPECT_LT(most, 1e-3);
 }
 
 TEST(MeshSession, ScriptsReplayToTheSameBytes) {
