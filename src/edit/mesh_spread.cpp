@@ -4,7 +4,7 @@ namespace relief::edit {
 
 namespace {
 
-/// Around what changes, at first; then half as many more: the lift falls off by a half a ring.
+/// Around what changes, at first; then a quarter more: the lift falls off by a half a ring.
 constexpr int kRings = 8;
 
 }  // namespace
@@ -13,12 +13,10 @@ Result<std::vector<VertexChange>> MeshSpread::spread_step(int step, const MeshPo
                                                           std::span<const VertexChange> changes) {
     if (changes.empty()) return std::vector<VertexChange>();
     std::optional<MeshPatch>& patch = patches_[static_cast<std::size_t>(step)];
-    int rings = kRings;
     if (patch && patch->covers(changes)) {
         if (auto result = patch->spread(changes)) return *std::move(result);
-        rings = patch->rings() * 3 / 2;
     }
-    for (;; rings = rings * 3 / 2) {
+    for (int rings = patch ? patch->rings() : kRings;; rings += rings / 4) {
         RELIEF_TRY(patch, MeshPatch::create(*levels_, step, points, changes, rings));
         if (auto result = patch->spread(changes)) return *std::move(result);
     }
