@@ -58,6 +58,9 @@ struct MeshFile::State {
     [[nodiscard]] Status check_moves(const std::vector<MeshMove>& some) const;
     [[nodiscard]] Result<MeshPoints> points(const MeshSynthesis& synthesis, int depth,
                                             const MeshOrder& order) const;
+    [[nodiscard]] MeshPoints points_of_base() const;
+    [[nodiscard]] Status make_exact(MeshPoints& points) const;
+    [[nodiscard]] Result<MeshSynthesis> synthesis(int steps) const;
     void apply_moves(int depth, const MeshOrder& order, MeshPoints& points) const;
     [[nodiscard]] Result<PolygonMesh> finest(const MeshSynthesis& synthesis) const;
     [[nodiscard]] Result<PolygonMesh> coarser(const MeshSynthesis& synthesis, int depth) const;
@@ -123,12 +126,24 @@ void MeshFile::State::apply_moves(int at, const MeshOrder& order, MeshPoints& po
     }
 }
 
-/// order: of the finest level, whose moves count its numbers.
-Result<MeshPoints> MeshFile::State::points(const MeshSynthesis& synthesis, int depth_wanted,
-                                           const MeshOrder& order) const {
+MeshPoints MeshFile::State::points_of_base() const {
     MeshPoints points;
     for (const GridPoint& p : base_points)
         points.push_back(base_point(header.quantisation, header.levels, p));
+    return points;
+}
+
+/// Of the finest level.
+Status MeshFile::State::make_exact(MeshPoints& points) const {
+    if (!header.lattice) return {};
+    RELIEF_TRY(const Bytes chunk, container.chunk(numbers().exact()));
+    return read_exact(chunk, *header.lattice, points);
+}
+
+/// order: of the finest level, whose moves count its numbers.
+Result<MeshPoints> MeshFile::State::points(const MeshSynthesis& synthesis, int depth_wanted,
+                                           const MeshOrder& order) const {
+    MeshPoints points = points_of_base();
     MeshPoints moved;
     if (!moves.empty()) {
         moved = points;
@@ -139,22 +154,18 @@ Result<MeshPoints> MeshFile::State::points(const MeshSynthesis& synthesis, int d
         RELIEF_TRY(const Bytes chunk, container.chunk(MeshChunks::step(step)));
         RELIEF_TRY(const QuantisedStep coded, details.decode_next(chunk));
         const MeshQuantisation& q = header.quantisation;
-        if (moves.empty()) {
-            const multires::DetailFrames frames(synthesis.hierarchy(), step, points.data());
-            synthesis.refine(q, header.levels, step, coded, frames, points);
-            continue;
-        }
-        synthesis.refine_moved(q, header.levels, step, coded, points, moved);
+        const multires::DetailFrames frames(synthesis.hierarchy(), step, points.data());
+        synthesis.refine(q, header.levels, step, coded, frames, points);
+        if (moves.empty()) continue;
+        synthesis.refine_moved(step, local_details(q, header.levels, step, coded, frames), moved);
         apply_moves(step + 1, order, moved);
     }
-    if (header.lattice && depth_wanted == header.levels) {
-        RELIEF_TRY(const Bytes chunk, container.chunk(numbers().exact()));
-        MeshPoints exact = points;
-        RELIEF_CHECK(read_exact(chunk, *header.lattice, exact));
-        if (moves.empty()) return exact;
-        for (std::size_t v = 0; v < exact.size(); ++v) moved[v] += exact[v] - points[v];
-    }
-    return moves.empty() ? points : moved;
+    if (!header.lattice || depth_wanted < header.levels) return moves.empty() ? points : moved;
+    MeshPoints exact = points;
+    RELIEF_CHECK(make_exact(exact));
+    if (moves.empty()) return exact;
+    for (std::size_t v = 0; v < exact.size(); ++v) moved[v] += exact[v] - points[v];
+    return moved;
 }
 
 namespace {
@@ -164,13 +175,21 @@ void add_faces(const mesh::FaceList& faces, PolygonMesh& mesh) {
     mesh.corners.assign(faces.corners.begin(), faces.corners.end());
 }
 
-Status set_points(const MeshPoints& points, const std::vector<Index>& numbers, PolygonMesh& mesh) {
-    mesh.vertices.resize(points.size());
+Status check_points(const MeshPoints& points) {
     for (std::size_t v = 0; v < points.size(); ++v) {
         const Vec3<double>& p = points[v];
         if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
             return bad_file("a vertex is not a point; the file is damaged or was moved too far",
                             "vertex " + std::to_string(v));
+    }
+    return {};
+}
+
+Status set_points(const MeshPoints& points, const std::vector<Index>& numbers, PolygonMesh& mesh) {
+    RELIEF_CHECK(check_points(points));
+    mesh.vertices.resize(points.size());
+    for (std::size_t v = 0; v < points.size(); ++v) {
+        const Vec3<double>& p = points[v];
         mesh.vertices[numbers.empty() ? v : numbers[v]] = {p.x, p.y, p.z};
     }
     return {};
@@ -332,16 +351,47 @@ std::optional<double> MeshFile::bound(int level) const {
     return goal().kind == Goal::Kind::MaxError ? goal().value : max_error();
 }
 
+Result<MeshSynthesis> MeshFile::State::synthesis(int steps) const {
+    RELIEF_TRY(mesh::Topology base,
+               mesh::build(base_faces, static_cast<Index>(base_points.size())));
+    return of_file(MeshSynthesis::create(std::move(base), tags, header, steps), "base chunk");
+}
+
 Result<PolygonMesh> MeshFile::decode(int level) const {
     RELIEF_CHECK(check_level(state_->numbers(), level));
     const int depth = state_->depth(level);
-    RELIEF_TRY(mesh::Topology base,
-               mesh::build(state_->base_faces, static_cast<Index>(state_->base_points.size())));
     RELIEF_TRY(const MeshSynthesis synthesis,
-               of_file(MeshSynthesis::create(std::move(base), state_->tags, state_->header,
-                                             state_->knows_names() ? levels() : depth),
-                       "base chunk"));
+               state_->synthesis(state_->knows_names() ? levels() : depth));
     return level == 0 ? state_->finest(synthesis) : state_->coarser(synthesis, depth);
+}
+
+Result<MeshParts> MeshFile::parts() const {
+    const MeshHeader& header = state_->header;
+    const ContainerReader& container = state_->container;
+    RELIEF_TRY(MeshSynthesis synthesis, state_->synthesis(levels()));
+    MeshParts parts;
+    parts.transform = synthesis.transform();
+    parts.points.push_back(state_->points_of_base());
+    MeshDetails details(synthesis.hierarchy());
+    for (int step = 0; step < levels(); ++step) {
+        RELIEF_TRY(const Bytes chunk, container.chunk(MeshChunks::step(step)));
+        RELIEF_TRY(const QuantisedStep coded, details.decode_next(chunk));
+        MeshPoints points = parts.points.back();
+        const multires::DetailFrames frames(synthesis.hierarchy(), step, points.data());
+        synthesis.refine(header.quantisation, levels(), step, coded, frames, points);
+        parts.details.push_back(local_details(header.quantisation, levels(), step, coded, frames));
+        parts.points.push_back(std::move(points));
+    }
+    RELIEF_CHECK(state_->make_exact(parts.points.back()));
+    for (const MeshPoints& points : parts.points) RELIEF_CHECK(check_points(points));
+    RELIEF_TRY(const Bytes order_chunk, container.chunk(state_->numbers().order()));
+    RELIEF_TRY(MeshOrder order, read_order(order_chunk, synthesis.hierarchy()));
+    RELIEF_TRY(const Bytes attributes, container.chunk(state_->numbers().attributes()));
+    RELIEF_TRY(parts.attributes,
+               read_attributes(attributes, header.attributes, synthesis.hierarchy(), order));
+    parts.numbers = std::move(order.vertices);
+    parts.hierarchy = std::move(synthesis).take_hierarchy();
+    return parts;
 }
 
 Result<Bytes> add_mesh_moves(Bytes file, const std::vector<MeshMove>& moves) {

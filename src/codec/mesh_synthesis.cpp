@@ -8,7 +8,6 @@ namespace relief::codec {
 namespace {
 
 using multires::DetailFrames;
-using multires::MeshFrame;
 
 /// Details are so much smaller than their integer.
 constexpr double kShrink = 0.024;
@@ -22,31 +21,6 @@ double value(std::int64_t q, double step) {
     if (q == 0) return 0;
     const double size = static_cast<double>(q);
     return step * (q > 0 ? size - kShrink : size + kShrink);
-}
-
-/// Details of a step in the frames of the surface below.
-struct Local {
-    MeshPoints fresh;
-    MeshPoints stiff;
-};
-Local local_details(const MeshQuantisation& q, int steps, int step, const QuantisedStep& details) {
-    const double size = q.step_of(step, steps);
-    Local local;
-    for (const QuantisedDetail& detail : details.fresh)
-        local.fresh.push_back(reconstructed(detail, size, q.tangential));
-    for (const QuantisedDetail& detail : details.stiff)
-        local.stiff.push_back(reconstructed(detail, size, q.tangential));
-    return local;
-}
-
-/// As large as the surface around it has grown.
-void turn_and_grow(const std::vector<MeshFrame>& before, const std::vector<MeshFrame>& after,
-                   MeshPoints& local) {
-    for (std::size_t k = 0; k < local.size(); ++k) {
-        const bool known = before[k].size > 0 && after[k].size > 0;
-        const double growth = known ? after[k].size / before[k].size : 1;
-        local[k] = growth * after[k].out(local[k]);
-    }
 }
 
 }  // namespace
@@ -84,12 +58,12 @@ Result<MeshSynthesis> MeshSynthesis::create(mesh::Topology base, multires::MeshT
                                                                header.spec, steps));
     synthesis.hierarchy_ = std::make_unique<multires::MeshHierarchy>(std::move(hierarchy));
     // Sweeps are counted from the file's finest step, whichever is the last one here.
-    multires::MeshTransform transform{.lift = header.lift};
+    synthesis.transform_.lift = header.lift;
     if (header.lift == multires::LiftKind::Chebyshev)
         for (int step = 0; step < steps; ++step)
-            transform.lifts.push_back(
+            synthesis.transform_.lifts.push_back(
                 multires::default_lift(header.spec.scheme, header.levels - 1 - step));
-    RELIEF_TRY(auto maps, multires::MeshMaps::create(*synthesis.hierarchy_, transform));
+    RELIEF_TRY(auto maps, multires::MeshMaps::create(*synthesis.hierarchy_, synthesis.transform_));
     synthesis.maps_ = std::make_unique<multires::MeshMaps>(std::move(maps));
     return synthesis;
 }
@@ -97,23 +71,36 @@ Result<MeshSynthesis> MeshSynthesis::create(mesh::Topology base, multires::MeshT
 void MeshSynthesis::refine(const MeshQuantisation& q, int steps, int step,
                            const QuantisedStep& details, const DetailFrames& frames,
                            MeshPoints& points) const {
-    Local local = local_details(q, steps, step, details);
-    frames.out(local.fresh.data(), local.stiff);
-    points.insert(points.end(), local.fresh.begin(), local.fresh.end());
-    maps_->synthesise_global(step, points.data(), local.stiff);
+    const double size = q.step_of(step, steps);
+    MeshPoints stiff;
+    const std::size_t coarse = points.size();
+    for (const QuantisedDetail& detail : details.fresh)
+        points.push_back(reconstructed(detail, size, q.tangential));
+    for (const QuantisedDetail& detail : details.stiff)
+        stiff.push_back(reconstructed(detail, size, q.tangential));
+    frames.out(points.data() + coarse, stiff);
+    maps_->synthesise_global(step, points.data(), stiff);
 }
 
-void MeshSynthesis::refine_moved(const MeshQuantisation& q, int steps, int step,
-                                 const QuantisedStep& details, MeshPoints& points,
+multires::LocalDetails local_details(const MeshQuantisation& q, int steps, int step,
+                                     const QuantisedStep& details, const DetailFrames& frames) {
+    const double size = q.step_of(step, steps);
+    const auto local = [&](const std::vector<QuantisedDetail>& some,
+                           const std::vector<multires::MeshFrame>& of) {
+        std::vector<multires::LocalDetail> result(some.size());
+        for (std::size_t k = 0; k < some.size(); ++k)
+            result[k] = {reconstructed(some[k], size, q.tangential), of[k].size};
+        return result;
+    };
+    return {local(details.fresh, frames.fresh()), local(details.stiff, frames.stiff())};
+}
+
+void MeshSynthesis::refine_moved(int step, const multires::LocalDetails& details,
                                  MeshPoints& moved) const {
-    Local local = local_details(q, steps, step, details);
-    const DetailFrames before(*hierarchy_, step, points.data());
-    const DetailFrames after(*hierarchy_, step, moved.data());
-    turn_and_grow(before.fresh(), after.fresh(), local.fresh);
-    turn_and_grow(before.stiff(), after.stiff(), local.stiff);
-    moved.insert(moved.end(), local.fresh.begin(), local.fresh.end());
-    maps_->synthesise_global(step, moved.data(), local.stiff);
-    refine(q, steps, step, details, before, points);
+    const multires::GlobalDetails turned =
+        multires::turned(details, DetailFrames(*hierarchy_, step, moved.data()));
+    moved.insert(moved.end(), turned.fresh.begin(), turned.fresh.end());
+    maps_->synthesise_global(step, moved.data(), turned.stiff);
 }
 
 }  // namespace relief::codec

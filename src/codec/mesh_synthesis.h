@@ -6,6 +6,7 @@
 #include "codec/mesh_base.h"
 #include "codec/mesh_details.h"
 #include "codec/mesh_header.h"
+#include "relief/multires/mesh_moves.h"
 
 /// From quantised coefficients to points: what encoder and decoder of meshes share.
 namespace relief::codec {
@@ -29,6 +30,11 @@ inline constexpr double kNearest = 0.5;
 /// Whether a detail has places on the grid that integers can count.
 inline constexpr double kLargestQuotient = 0x1p50;
 
+/// Details of a step where the frames of its surface are.
+[[nodiscard]] multires::LocalDetails local_details(const MeshQuantisation& q, int steps, int step,
+                                                   const QuantisedStep& details,
+                                                   const multires::DetailFrames& frames);
+
 /// A hierarchy with its maps.
 class MeshSynthesis {
   public:
@@ -37,20 +43,25 @@ class MeshSynthesis {
                                                       const MeshHeader& header, int steps);
 
     [[nodiscard]] const multires::MeshHierarchy& hierarchy() const { return *hierarchy_; }
+    [[nodiscard]] const multires::MeshTransform& transform() const { return transform_; }
     [[nodiscard]] const multires::MeshMaps& maps() const { return *maps_; }
 
     /// points: those of depth `step`, of which the frames are; they become those of depth step + 1.
     /// Complexity: O(n) a sweep.
     void refine(const MeshQuantisation& q, int steps, int step, const QuantisedStep& details,
                 const multires::DetailFrames& frames, MeshPoints& points) const;
-    /// The same for a mesh that was moved: its details turn and grow as the surface does. points
-    /// and moved are of depth `step` and become depth step + 1.
-    void refine_moved(const MeshQuantisation& q, int steps, int step, const QuantisedStep& details,
-                      MeshPoints& points, MeshPoints& moved) const;
+    /// The same for a mesh that was moved.
+    void refine_moved(int step, const multires::LocalDetails& details, MeshPoints& moved) const;
+
+    /// The hierarchy is gone then.
+    [[nodiscard]] std::unique_ptr<multires::MeshHierarchy> take_hierarchy() && {
+        return std::move(hierarchy_);
+    }
 
   private:
     // On the heap: maps refer to the hierarchy.
     std::unique_ptr<multires::MeshHierarchy> hierarchy_;
+    multires::MeshTransform transform_;
     std::unique_ptr<multires::MeshMaps> maps_;
 };
 

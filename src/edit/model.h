@@ -52,6 +52,9 @@ class Model {
     /// Requires: checked moves. Errors: BadFile, when a part that is needed can not be decoded;
     /// then nothing changed.
     virtual Status push(std::vector<PointMove> group) = 0;
+    /// The same for a group that is taken away before anything else is done: what the next drag of
+    /// the same points needs may be kept. What is shown may differ by less than can be seen.
+    virtual Status drag(std::vector<PointMove> group) { return push(std::move(group)); }
     /// Takes the last group away. Requires: there is one.
     virtual void pop() = 0;
 

@@ -66,6 +66,7 @@ struct Session::State {
         if (dragging) model->pop();
         dragging = false;
     }
+    [[nodiscard]] Result<std::vector<PointMove>> group_of(const Move& move) const;
     Status push(const Move& move);
     /// Undoes or redoes until `done` commands are in effect.
     Status step_to(std::size_t done);
@@ -81,10 +82,15 @@ struct Session::State {
     }
 };
 
-Status Session::State::push(const Move& move) {
+Result<std::vector<PointMove>> Session::State::group_of(const Move& move) const {
     RELIEF_CHECK(check_level(move.level));
     RELIEF_TRY(std::vector<PointMove> group, spread(move, *model->graph(move.level)));
     for (const PointMove& point : group) RELIEF_CHECK(model->check(point));
+    return group;
+}
+
+Status Session::State::push(const Move& move) {
+    RELIEF_TRY(std::vector<PointMove> group, group_of(move));
     return model->push(std::move(group));
 }
 
@@ -182,7 +188,8 @@ Result<Change> Session::go_to(std::size_t done) {
 
 Result<Change> Session::drag(const Move& move) {
     state_->end_drag();
-    RELIEF_CHECK(state_->push(move));
+    RELIEF_TRY(std::vector<PointMove> group, state_->group_of(move));
+    RELIEF_CHECK(state_->model->drag(std::move(group)));
     state_->dragging = true;
     return state_->report();
 }

@@ -10,7 +10,7 @@
 #include "relief/codec/raster_codec.h"
 #include "relief/core/polygon_mesh.h"
 #include "relief/core/stream.h"
-#include "relief/multires/mesh_hierarchy.h"
+#include "relief/multires/mesh_moves.h"
 
 /// Meshes with subdivision connectivity to .relief files and back. Source:
 /// mesh-codec-and-remesh.md section 2; docs/reverse-subdivision.md, docs/format.md "Meshes".
@@ -85,10 +85,22 @@ struct EncodedMesh {
 /// surface.
 struct MeshMove {
     int level = 0;
-    std::uint64_t vertex = 0;  ///< in the numbering of MeshFile::decode(level)
-    std::array<double, 3> delta{};
+    std::uint64_t vertex = 0;       ///< in the numbering of MeshFile::decode(level)
+    std::array<double, 3> delta{};  ///< of at most kLargest
 
+    static constexpr double kLargest = 1e150;
     friend bool operator==(const MeshMove&, const MeshMove&) = default;
+};
+
+/// What the levels of a file are made of, its moves left out. Depth 0 is the base; vertices have
+/// the numbers of the hierarchy.
+struct MeshParts {
+    std::unique_ptr<multires::MeshHierarchy> hierarchy;
+    multires::MeshTransform transform;              ///< with the lifts of all steps
+    std::vector<std::vector<Vec3<double>>> points;  ///< [depth]: what each level decodes to
+    std::vector<multires::LocalDetails> details;    ///< [step]
+    std::vector<mesh::Index> numbers;               ///< [vertex of the finest depth]: in decode(0)
+    std::vector<MeshAttribute> attributes;          ///< those of decode(0)
 };
 
 /// An opened file of a mesh, or a prefix of one. Several threads may read at once.
@@ -140,6 +152,8 @@ class MeshFile {
     /// does not have; BadFile. Complexity: O(n) of the finest level that is decoded; of all with
     /// attributes.
     [[nodiscard]] Result<PolygonMesh> decode(int level) const;
+    /// Errors: BadFile, also for a prefix. Complexity: O(n).
+    [[nodiscard]] Result<MeshParts> parts() const;
 
   private:
     struct State;
