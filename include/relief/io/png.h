@@ -3,10 +3,15 @@
 #include <string>
 
 #include "relief/core/result.h"
+#include "relief/core/stream.h"
 #include "relief/io/image.h"
 
 /// Pictures as PNG files.
 namespace relief::io {
+
+/// 8-bit RGB or RGBA as the bytes of a file. Errors: InvalidArgument (empty image, wrong channels
+/// or pixel count, more than 2^28 pixels).
+[[nodiscard]] Result<Bytes> encode_png(const Image& image);
 
 /// Writes 8-bit RGB or RGBA; the file appears only when complete.
 /// Errors: InvalidArgument (empty image, wrong channels or pixel count), CannotWrite.
