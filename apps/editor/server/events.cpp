@@ -52,18 +52,25 @@ Json json_of(const Vec3<double>& point) {
 Json hello_event(const Document& document, const edit::Session& session, bool writer) {
     const edit::Description& about = session.description();
     Json hello = state_json(session);
-    hello.update(Json{
-        {"event", "hello"}, {"protocol", 1}, {"version", RELIEF_VERSION}, {"name", document.name},
-            {"kind", edit::kind_name(about.kind)}, {"writer", writer},
-            {"levels", levels_json(about)}, {"scheme", about.scheme}, {"order", about.order},
-            {"components", about.components}, {"parametric", about.parametric},
-            {"origin", json_of(about.origin)}, {"unit", about.unit}, {"crs", about.crs},
-            {"bound", about.bound ? Json(*about.bound) : Json(nullptr)}, {"bytes", about.bytes}, {
-            "save", std::filesystem::path(document.save).filename().string()
-        }}
-});
-if (about.tiles) hello["raster"] = tiles_json(*about.tiles);
-return hello;
+    hello.update(Json{{"event", "hello"},
+                      {"protocol", 1},
+                      {"version", RELIEF_VERSION},
+                      {"name", document.name},
+                      {"kind", edit::kind_name(about.kind)},
+                      {"writer", writer},
+                      {"levels", levels_json(about)},
+                      {"scheme", about.scheme},
+                      {"order", about.order},
+                      {"components", about.components},
+                      {"parametric", about.parametric},
+                      {"origin", json_of(about.origin)},
+                      {"unit", about.unit},
+                      {"crs", about.crs},
+                      {"bound", about.bound ? Json(*about.bound) : Json(nullptr)},
+                      {"bytes", about.bytes},
+                      {"save", std::filesystem::path(document.save).filename().string()}});
+    if (about.tiles) hello["raster"] = tiles_json(*about.tiles);
+    return hello;
 }
 
 Json changed_event(const edit::Session& session, std::uint64_t touched,
