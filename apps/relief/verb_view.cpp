@@ -42,7 +42,7 @@ Result<Outcome> run(const View& options, const Globals& globals) {
     RELIEF_CHECK(editor::serve(
         std::move(document),
         {.port = options.port,
-         .files = {.open = open_document, .decode = export_level},
+         .files = {.open = open_dropped, .decode = export_level},
          .listening = [&](const std::string& url) { announce(url, options, globals); }}));
     Outcome outcome;
     outcome.said = true;

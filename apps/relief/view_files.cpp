@@ -179,6 +179,14 @@ Result<Document> open_document(const std::string& path, const Progress& progress
     return document;
 }
 
+Result<Document> open_dropped(const std::string& path, const Progress& progress) {
+    if (io::recognise(path) == io::FileKind::Raster && !io::is_self_contained(path))
+        return Error{ErrorCode::BadInput,
+                     "is of a format whose files can refer to others; open it with 'relief view'",
+                     std::filesystem::path(path).filename().string()};
+    return open_document(path, progress);
+}
+
 Status export_level(const std::string& relief, int level, const std::string& out) {
     const auto status = [](const Result<Outcome>& outcome) {
         return outcome.ok() ? Status() : outcome.error();

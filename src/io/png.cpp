@@ -21,7 +21,7 @@ struct PngImage : png_image {
 
 }  // namespace
 
-Result<Bytes> encode_png(const Image& image) {
+Result<Bytes> encode_png(const Image& image, PngEffort effort) {
     const bool channels_ok = image.channels == 3 || image.channels == 4;
     if (image.width < 1 || image.height < 1 || !channels_ok ||
         static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height) >
@@ -36,6 +36,7 @@ Result<Bytes> encode_png(const Image& image) {
     png.width = static_cast<png_uint_32>(image.width);
     png.height = static_cast<png_uint_32>(image.height);
     png.format = image.channels == 4 ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB;
+    if (effort == PngEffort::Fast) png.flags |= PNG_IMAGE_FLAG_FAST;
     if (image.pixels.size() != PNG_IMAGE_SIZE(png))
         return Error{ErrorCode::InvalidArgument, "the image has fewer or more bytes than pixels",
                      ""};

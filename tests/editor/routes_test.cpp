@@ -52,7 +52,7 @@ TEST(Routes, NamesStayInTheirFolder) {
 TEST(Routes, TokenIsNeeded) {
     for (const std::string& target :
          {std::string("/"), std::string(""), std::string("/socket"), std::string("//"),
-          "/" + kAccess.token, "/" + std::string(32, '0') + "/", "/0123456789abcdef/",
+          "/" + kAccess.token, "/" + std::string(32, '0') + "/", std::string("/0123456789abcdef/"),
           std::string("/favicon.ico"), "x" + kRoot, "http://127.0.0.1:8000" + kRoot})
         expect_refused(404, asked("GET", target));
 }

@@ -64,7 +64,7 @@ Result<Json> Conversation::drape(const std::string& path) {
     RELIEF_TRY(
         const io::Image image,
         io::read_drape(path, document_.terrain ? &*document_.terrain : nullptr, kLargestDrape));
-    RELIEF_TRY(drape_, io::encode_png(image));
+    RELIEF_TRY(drape_, io::encode_png(image, io::PngEffort::Fast));
     return Json{{"rect", std::move(rect)}};
 }
 
