@@ -86,10 +86,14 @@ double Falloff::weight(double d) const {
     if (!(d < radius)) return 0;
     const double t = d / radius;
     switch (profile) {
-        case Profile::Smooth: return (1 - t * t) * (1 - t * t);
-        case Profile::Linear: return 1 - t;
-        case Profile::Sharp: return (1 - t) * (1 - t);
-        case Profile::Flat: return 1;
+        case Profile::Smooth:
+            return (1 - t * t) * (1 - t * t);
+        case Profile::Linear:
+            return 1 - t;
+        case Profile::Sharp:
+            return (1 - t) * (1 - t);
+        case Profile::Flat:
+            return 1;
     }
     return 0;
 }

@@ -12,8 +12,8 @@ namespace relief::edit {
 struct PointMove {
     int level = 0;
     std::uint64_t point = 0;
-    Vec3<double> delta;
-    Vec2 slope;
+    Vec3<double> delta = {};
+    Vec2 slope = {};
 };
 
 /// The control points of a level as a graph, for falloff.
@@ -32,8 +32,8 @@ class NetGraph {
                                           std::uint64_t to) const = 0;
 };
 
-/// An original surface and moves on top of it, a group for each command. What is shown is a function
-/// of the original and of the groups in their order.
+/// An original surface and moves on top of it, a group for each command. What is shown is a
+/// function of the original and of the groups in their order.
 class Model {
   public:
     Model() = default;
@@ -49,8 +49,8 @@ class Model {
     /// Errors: InvalidArgument for a point that does not exist, a displacement that the kind does
     /// not have, or one that its files can not keep.
     [[nodiscard]] virtual Status check(const PointMove& move) const = 0;
-    /// Requires: checked moves. Errors: BadFile, when a part that is needed can not be decoded; then
-    /// nothing changed.
+    /// Requires: checked moves. Errors: BadFile, when a part that is needed can not be decoded;
+    /// then nothing changed.
     virtual Status push(std::vector<PointMove> group) = 0;
     /// Takes the last group away. Requires: there is one.
     virtual void pop() = 0;
@@ -78,8 +78,7 @@ class Model {
                                                          const OpenOptions& options);
 [[nodiscard]] Result<std::unique_ptr<Model>> open_mesh(std::shared_ptr<const ByteSource> file);
 [[nodiscard]] Result<std::unique_ptr<Model>> open_quads(std::shared_ptr<const ByteSource> file);
-[[nodiscard]] Result<std::unique_ptr<Model>> open_triangles(
-    std::shared_ptr<const ByteSource> file);
+[[nodiscard]] Result<std::unique_ptr<Model>> open_triangles(std::shared_ptr<const ByteSource> file);
 
 /// The moves of a command, those that follow by its falloff included, ordered by point. Errors:
 /// InvalidArgument for a point that the level does not have or that is named twice. Complexity:

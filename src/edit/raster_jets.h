@@ -12,8 +12,8 @@
 /// Values and derivatives of a raster's surfaces at the samples of tiles.
 namespace relief::edit {
 
-/// A grid of places in a raster's finest lattice: rows rows[0] < rows[1] < .., the same for columns.
-/// Those of a tile are 2^lod apart but for the last.
+/// A grid of places in a raster's finest lattice: rows rows[0] < rows[1] < .., the same for
+/// columns. Those of a tile are 2^lod apart but for the last.
 struct Places {
     int lod = 0;
     std::vector<double> rows;
@@ -31,7 +31,8 @@ struct Jets {
 };
 void add(Jets& to, const Jets& from);
 
-/// The surfaces of a file, by level: what lies below the moves. Several threads may not ask at once.
+/// The surfaces of a file, by level: what lies below the moves. Several threads may not ask at
+/// once.
 class OriginalSurfaces {
   public:
     /// The file must outlive this and keep its address.
@@ -76,14 +77,26 @@ class MoveFields {
     /// The sum of what moved at a control point.
     [[nodiscard]] Delta at(int level, std::int64_t row, std::int64_t col) const;
 
-    /// What moves of `level` and coarser ones add; components that nothing reaches stay untouched.
+    /// What moves of `level` and coarser ones add at places. Complexity: O(places near moves).
     [[nodiscard]] Status add_to(std::vector<Jets>& components, int level, const Places& places,
                                 int derivatives) const;
 
   private:
     using Field = std::map<Key, Delta>;
-    [[nodiscard]] Status add_field(std::vector<Jets>& components, int level, const Places& places,
-                                   int derivatives) const;
+
+    /// Where moves of a level are in a box: the smallest box around them.
+    [[nodiscard]] LatticeBox moved_in(int level, const LatticeBox& box) const;
+    /// Moves of `level` and of coarser ones as coefficients of `level`; nothing if there are none.
+    [[nodiscard]] Result<std::optional<multires::LevelCoefficients<double>>> coefficients(
+        int level, LatticeBox window) const;
+    /// Moves of `level` alone.
+    [[nodiscard]] multires::LevelCoefficients<double> own(int level,
+                                                          const LatticeBox& window) const;
+    [[nodiscard]] Status add_surface(const multires::LevelCoefficients<double>& net, int level,
+                                     std::vector<Jets>& components, const Places& places,
+                                     int derivatives) const;
+    [[nodiscard]] Status add_own(std::vector<Jets>& components, int level, const Places& places,
+                                 int derivatives) const;
 
     const multires::PyramidLayout* layout_;
     std::vector<Field> fields_;  ///< by level

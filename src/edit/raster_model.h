@@ -1,20 +1,24 @@
 #pragma once
 
 #include <map>
+#include <optional>
+#include <tuple>
 #include <vector>
 
 #include "edit/model.h"
-#include "edit/raster_jets.h"
+#include "edit/raster_net.h"
+#include "edit/raster_tiles.h"
 
 namespace relief::edit {
 
 /// A raster: its surface is the file's plus, level by level, that of the moves.
 class RasterModel final : public Model {
   public:
-    [[nodiscard]] static Result<std::unique_ptr<RasterModel>> open(
+    [[nodiscard]] static Result<std::unique_ptr<Model>> open(
         std::shared_ptr<const ByteSource> source, const OpenOptions& options);
 
     [[nodiscard]] const Description& description() const override { return description_; }
+    /// Grows while tiles are drawn.
     [[nodiscard]] Bounds bounds() const override { return bounds_; }
     [[nodiscard]] std::unique_ptr<NetGraph> graph(int level) const override;
     [[nodiscard]] Status check(const PointMove& move) const override;
@@ -31,73 +35,61 @@ class RasterModel final : public Model {
     [[nodiscard]] Result<Measurement> measure(const View& view) const override;
     [[nodiscard]] Result<Compression> compress(double max_error, const Progress& progress) override;
 
-    /// Page place of a place in the finest lattice.
-    [[nodiscard]] Vec2 page_place(double row, double col) const;
-
   private:
     struct Group {
         std::vector<multires::Move> moves;
         MoveFields::Undo undo;
     };
+    /// A surface: a file's, with moves or without.
     struct Shown {
         const OriginalSurfaces* surfaces = nullptr;
-        bool own = false;    ///< with the file's own moves
-        bool added = false;  ///< with the session's
+        const MoveFields* moves = nullptr;  ///< null: none
         int level = 0;
     };
-    /// Coefficients of a level without the moves of that level.
-    struct NetBase {
-        int level = -1;
-        LatticeBox window;
-        multires::LevelCoefficients<double> coefficients;
-    };
     using CacheKey = std::tuple<const OriginalSurfaces*, int, int, TileName>;
+    struct Cached {
+        std::uint64_t used = 0;
+        OriginalSurfaces::Part part;
+    };
 
-    RasterModel(std::shared_ptr<const ByteSource> source, codec::RasterFile whole,
-                codec::RasterFile bare);
+    RasterModel(std::shared_ptr<const ByteSource> source, codec::RasterFile bare,
+                const std::vector<multires::Move>& own);
     Status describe(const OpenOptions& options);
 
     [[nodiscard]] Shown shown(const View& view) const;
-    [[nodiscard]] Places places_of(const TileName& name, const LatticeBox& rect) const;
-    [[nodiscard]] Result<LatticeBox> rect_of(const TileName& name) const;
-    /// A tile of the file's surface, kept while it is used.
+    [[nodiscard]] Shown original() const { return {&surfaces_, &own_, 0}; }
     [[nodiscard]] Result<const OriginalSurfaces::Part*> cached(const Shown& shown,
                                                                const TileName& name,
                                                                int derivatives) const;
     [[nodiscard]] Result<OriginalSurfaces::Part> jets(const Shown& shown, const TileName& name,
                                                       const LatticeBox& rect,
                                                       int derivatives) const;
-    [[nodiscard]] Status add_moves(const Shown& shown, const Places& places, int derivatives,
-                                   std::vector<Jets>& components) const;
-    [[nodiscard]] Result<TileGeometry> geometry(const View& view, const TileName& name,
-                                                const LatticeBox& rect) const;
-    void draw(const Places& places, const OriginalSurfaces::Part& part, const Extras& extras,
-              TileGeometry& out) const;
-    void draw_errors(const OriginalSurfaces::Part& part, const OriginalSurfaces::Part& original,
-                     TileGeometry& out) const;
-    [[nodiscard]] Result<const multires::LevelCoefficients<double>*> net_base(
-        int level, const LatticeBox& window) const;
-    [[nodiscard]] std::array<double, 4> coefficient(int level, std::int64_t row,
-                                                    std::int64_t col) const;
-    [[nodiscard]] Point net_place(int level, std::int64_t row, std::int64_t col) const;
+    [[nodiscard]] Result<TileGeometry> draw(const View& view, const TileName& name,
+                                            const LatticeBox& rect) const;
+    void widen(const TileGeometry& tile) const;
     [[nodiscard]] multires::Move file_move(const PointMove& move) const;
-    void forget_nets_below(const std::vector<multires::Move>& moves) const;
+    [[nodiscard]] std::vector<multires::Move> all_moves() const;
+    [[nodiscard]] Result<const RasterNet*> net_of(int level, const LatticeBox& window) const;
+    [[nodiscard]] Result<NetGeometry> changed_net(const View& view) const;
+    void mark(const std::vector<multires::Move>& moves);
 
     std::shared_ptr<const ByteSource> source_;
-    codec::RasterFile whole_;  ///< with its own moves
-    codec::RasterFile bare_;   ///< without them
+    std::unique_ptr<codec::RasterFile> bare_;  ///< without moves
     OriginalSurfaces surfaces_;
-    MoveFields own_;
-    MoveFields added_;
+    std::vector<multires::Move> own_moves_;
+    MoveFields own_;  ///< the moves of the file
+    MoveFields all_;  ///< those and the groups'
     std::vector<Group> groups_;
     std::vector<multires::Move> changed_;  ///< since the last report
     std::unique_ptr<codec::RasterFile> compressed_;
     std::unique_ptr<OriginalSurfaces> compressed_surfaces_;
     Description description_;
+    TileGrid grid_;
+    TileFrame frame_;
     mutable Bounds bounds_;
-    mutable std::map<CacheKey, std::pair<std::uint64_t, OriginalSurfaces::Part>> cache_;
+    mutable std::map<CacheKey, Cached> cache_;
     mutable std::uint64_t uses_ = 0;
-    mutable NetBase net_;
+    mutable std::optional<RasterNet> net_;
 };
 
 }  // namespace relief::edit

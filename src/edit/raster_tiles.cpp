@@ -85,8 +85,7 @@ Result<LatticeBox> TileGrid::rect_of(const TileName& name) const {
 }
 
 Places TileGrid::places_of(const TileName& name, const LatticeBox& rect) const {
-    return {name.lod,
-            places_along(rows, name.lod, name.row * kTile + rect.row0, rect.rows),
+    return {name.lod, places_along(rows, name.lod, name.row * kTile + rect.row0, rect.rows),
             places_along(cols, name.lod, name.col * kTile + rect.col0, rect.cols)};
 }
 
@@ -114,8 +113,8 @@ Vec3<double> TileFrame::place(const std::vector<Jets>& components, const Places&
         return Vec3<double>{components[0].value[k], components[1].value[k],
                             components[2].value[k]} -
                origin;
-    const Vec2 plan = grid->page_place(places.rows[k / places.cols.size()],
-                                       places.cols[k % places.cols.size()]);
+    const Vec2 plan =
+        grid->page_place(places.rows[k / places.cols.size()], places.cols[k % places.cols.size()]);
     return {plan.x, plan.y, components[0].value[k] - origin.z};
 }
 
@@ -186,10 +185,9 @@ void TileFrame::draw_errors(const Places& places, const OriginalSurfaces::Part& 
     for (std::size_t k = 0; k < places.count(); ++k) {
         const Vec3<double> off =
             place(part.components, places, k) - place(original.components, places, k);
-        const double along =
-            parametric ? std::copysign(std::sqrt(dot(off, off)),
-                                       dot(off, normal(original.components, k)))
-                       : off.z;
+        const double along = parametric ? std::copysign(std::sqrt(dot(off, off)),
+                                                        dot(off, normal(original.components, k)))
+                                        : off.z;
         out.error.push_back(static_cast<float>(along));
     }
 }

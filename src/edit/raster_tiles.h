@@ -39,8 +39,8 @@ struct TileFrame {
     [[nodiscard]] Vec3<double> place(const std::vector<Jets>& components, const Places& places,
                                      std::size_t k) const;
     [[nodiscard]] Vec3<double> normal(const std::vector<Jets>& components, std::size_t k) const;
-    /// Mean curvature, positive where the surface is a valley seen from its normal's side. Requires:
-    /// second derivatives.
+    /// Mean curvature, positive where the surface is a valley seen from its normal's side.
+    /// Requires: second derivatives.
     [[nodiscard]] double curvature(const std::vector<Jets>& components, std::size_t k) const;
 
     /// Places and normals, validity, curvature if there are second derivatives.

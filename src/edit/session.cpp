@@ -19,10 +19,11 @@ Error wrong(std::string what) {
 
 Result<std::unique_ptr<Model>> open_model(const std::shared_ptr<const ByteSource>& file,
                                           const OpenOptions& options) {
-    RELIEF_TRY(const std::string content, codec::content_of(file));
-    if (content == "mesh") return open_mesh(file);
-    if (content == "quadrangulation") return open_quads(file);
-    if (content == "powell-sabin") return open_triangles(file);
+    const auto content = codec::content_of(file);
+    if (!content.ok()) return content.error();
+    if (*content == "mesh") return open_mesh(file);
+    if (*content == "quadrangulation") return open_quads(file);
+    if (*content == "powell-sabin") return open_triangles(file);
     return open_raster(file, options);
 }
 
@@ -40,10 +41,14 @@ Result<std::size_t> count_of(const Json& command, const char* member,
 
 const char* kind_name(Kind kind) {
     switch (kind) {
-        case Kind::Raster: return "raster";
-        case Kind::Mesh: return "mesh";
-        case Kind::Quads: return "quads";
-        case Kind::Triangles: return "triangles";
+        case Kind::Raster:
+            return "raster";
+        case Kind::Mesh:
+            return "mesh";
+        case Kind::Quads:
+            return "quads";
+        case Kind::Triangles:
+            return "triangles";
     }
     return "";
 }
@@ -71,8 +76,8 @@ struct Session::State {
     [[nodiscard]] Status check_level(int level) const {
         const auto levels = static_cast<int>(model->description().levels.size());
         if (level >= 0 && level < levels) return {};
-        return wrong("there is no level " + std::to_string(level) +
-                     "; levels are 0 (finest) to " + std::to_string(levels - 1));
+        return wrong("there is no level " + std::to_string(level) + "; levels are 0 (finest) to " +
+                     std::to_string(levels - 1));
     }
 };
 

@@ -31,10 +31,10 @@ struct Falloff {
 /// Moves control points of a level by `delta`, and tilts control triangles by `slope`.
 struct Move {
     int level = 0;
-    std::vector<std::uint64_t> points;
-    Vec3<double> delta;
-    Vec2 slope;
-    Falloff falloff;
+    std::vector<std::uint64_t> points = {};
+    Vec3<double> delta = {};
+    Vec2 slope = {};
+    Falloff falloff = {};
 
     friend bool operator==(const Move&, const Move&) = default;
 };

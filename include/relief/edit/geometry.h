@@ -32,8 +32,8 @@ struct SurfaceGeometry {
     std::vector<PackedNormal> normal;
     std::vector<std::uint32_t> index;  ///< three a triangle
     std::vector<std::uint32_t> line;
-    std::vector<float> error;      ///< empty: not asked for
-    std::vector<float> curvature;  ///< empty: not asked for
+    std::vector<float> error;              ///< empty: not asked for
+    std::vector<float> curvature;          ///< empty: not asked for
     std::vector<std::array<float, 2>> uv;  ///< empty: there are none
 };
 
@@ -64,8 +64,8 @@ struct TileGeometry {
     /// Page places of the part's first and last sample, and the steps between all but the last
     /// two: the last sample of a raster is on its border.
     double x0 = 0, y0 = 0, x1 = 0, y1 = 0, dx = 0, dy = 0;
-    std::vector<float> height;              ///< of a height field; else empty
-    std::vector<Point> position;            ///< of a parametric surface; else empty
+    std::vector<float> height;    ///< of a height field; else empty
+    std::vector<Point> position;  ///< of a parametric surface; else empty
     std::vector<PackedNormal> normal;
     std::vector<std::uint8_t> valid;  ///< empty: all are
     std::vector<float> error;

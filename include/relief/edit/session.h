@@ -33,8 +33,8 @@ struct LevelInfo {
 struct TileInfo {
     std::int64_t rows = 0;  ///< samples
     std::int64_t cols = 0;
-    int tile = 128;    ///< cells of a tile's side
-    int coarsest = 0;  ///< the level of detail at which one tile is everything
+    int tile = 128;                       ///< cells of a tile's side
+    int coarsest = 0;                     ///< the level of detail at which one tile is everything
     std::array<double, 2> spacing{1, 1};  ///< of samples, page units
 };
 
@@ -42,12 +42,12 @@ struct TileInfo {
 struct Description {
     Kind kind = Kind::Raster;
     std::string scheme;
-    int order = 0;  ///< 0: the scheme has no orders
+    int order = 0;                  ///< 0: the scheme has no orders
     std::vector<LevelInfo> levels;  ///< from the finest
     int components = 1;
     bool parametric = false;
-    Vec3<double> origin;  ///< of page coordinates, in data coordinates
-    std::string unit;     ///< of heights and page coordinates; empty: unknown
+    Vec3<double> origin = {};  ///< of page coordinates, in data coordinates
+    std::string unit;          ///< of heights and page coordinates; empty: unknown
     std::string crs;
     std::optional<double> bound;  ///< verified largest error of the file before it was edited
     std::uint64_t bytes = 0;
@@ -55,8 +55,8 @@ struct Description {
 };
 
 struct Bounds {
-    Vec3<double> min;
-    Vec3<double> max;
+    Vec3<double> min = {};
+    Vec3<double> max = {};
 };
 
 struct HistoryEntry {
@@ -73,23 +73,23 @@ struct View {
     enum class Show : std::uint8_t { Edited, Original, Compressed };
     int level = 0;
     Show show = Show::Edited;
-    Extras extras;
+    Extras extras = {};
     bool net = false;
 };
 
 /// What a change did to what a view shows. Whole: too much changed for patches, ask again.
 struct Change {
-    std::uint64_t touched = 0;  ///< vertices or samples of the finest level that may differ
-    SurfacePatch surface;               ///< kinds but rasters
-    std::vector<TileGeometry> tiles;    ///< rasters: of the tiles that the view holds
-    std::optional<NetGeometry> net;     ///< changed control points, if the view shows the net;
-                                        ///< `point` are their places in the whole net
+    std::uint64_t touched = 0;        ///< vertices or samples of the finest level that may differ
+    SurfacePatch surface;             ///< kinds but rasters
+    std::vector<TileGeometry> tiles;  ///< rasters: of the tiles that the view holds
+    std::optional<NetGeometry> net;   ///< changed control points, if the view shows the net;
+                                      ///< `point` are their places in the whole net
 };
 
 struct Measurement {
     double max_error = 0;
     double rms_error = 0;
-    Vec3<double> place;  ///< page coordinates of the largest
+    Vec3<double> place = {};  ///< page coordinates of the largest
 };
 
 struct Compression {
@@ -102,9 +102,9 @@ struct Compression {
 
 struct Probe {
     double value = 0;
-    Vec2 gradient;  ///< per page unit
-    double slope = 0;  ///< degrees
-    Vec2 place;  ///< the file's own coordinates
+    Vec2 gradient = {};  ///< per page unit
+    double slope = 0;    ///< degrees
+    Vec2 place = {};     ///< the file's own coordinates
 };
 
 /// What a session can not read from a file.
