@@ -124,7 +124,7 @@ Dataset warped(GDALDatasetH picture, const Raster& terrain, int largest) {
     Dataset canvas =
         canvas_over(terrain, limited(pixels(terrain.cols), pixels(terrain.rows), largest));
     if (!canvas) return canvas;
-    const Words words({"-r", "bilinear"});
+    const Words words({"-r", "bilinear", "-srcalpha"});
     const std::unique_ptr<GDALWarpAppOptions, decltype(&GDALWarpAppOptionsFree)> options(
         GDALWarpAppOptionsNew(words.get(), nullptr), &GDALWarpAppOptionsFree);
     if (!options || !GDALWarp(nullptr, canvas.get(), 1, &picture, options.get(), nullptr))

@@ -7,6 +7,7 @@ import os
 import re
 import select
 import signal
+import socket
 import struct
 import subprocess
 import time
@@ -179,7 +180,8 @@ class View(Case):
 
     def test_only_this_computer(self):
         server = self.serve(self.dem())
-        listening = [line.split() for line in open("/proc/net/tcp", encoding="ascii")][1:]
+        with open("/proc/net/tcp", encoding="ascii") as table:
+            listening = [line.split() for line in table][1:]
         ours = [f[1] for f in listening if f[3] == "0A" and int(f[1].split(":")[1], 16) == server.port]
         self.assertEqual(ours, [f"0100007F:{server.port:04X}"])
 
@@ -366,7 +368,7 @@ class View(Case):
         planes = read_raster(self.path("drape.png")).planes
         height, width = planes[0].shape
         self.assertLess(abs(width / height - 1.5), 0.01)
-        self.assertEqual(planes[1].max(), 0)
+        self.assertEqual(planes[1][:, :-1].max(), 0)  # the last column is mixed with what lies beyond
         self.assertEqual((planes[0][:, :width // 2 - 2].max(), planes[0][:, width // 2 + 2:].min()), (0, 255))
         self.assertEqual(planes[3].min(), 255)
 
@@ -466,16 +468,15 @@ class View(Case):
         self.assertTrue(self.page(server).hello)
 
     def test_broken_requests(self):
-        import socket
         server = self.serve(self.dem(60, 80))
         for text in (b"\r\n\r\n", b"nonsense\r\n\r\n", b"GET / HTTP/9.9\r\n\r\n", b"\0" * 1000,
                      b"POST " + server.root.encode() + b"open?name=x HTTP/1.1\r\nHost: 127.0.0.1:%d\r\n"
                      b"Content-Length: 99999999999\r\n\r\n" % server.port):
             with socket.create_connection(("127.0.0.1", server.port), 10) as client:
-                client.sendall(text)
-                client.shutdown(socket.SHUT_WR)
-                while client.recv(1 << 16):
-                    pass
+                with contextlib.suppress(ConnectionError):
+                    client.sendall(text)
+                    while client.recv(1 << 16):
+                        pass
         self.assertEqual(server.status("GET", server.root), 200)
 
 

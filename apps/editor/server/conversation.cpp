@@ -11,6 +11,14 @@ bool same_surface(const edit::View& a, const edit::View& b) {
 
 namespace {
 
+Result<edit::Session> open_session(const Document& document) {
+    auto session = edit::Session::open(document.file, document.options);
+    if (session.ok()) return session;
+    Error error = session.error();
+    error.where = error.where.empty() ? document.name : document.name + ", " + error.where;
+    return error;
+}
+
 /// Those of a net that are no longer where they were, by their places in it.
 edit::NetGeometry moved_points(const edit::NetGeometry& before, const edit::NetGeometry& now) {
     edit::NetGeometry moved;
@@ -30,7 +38,7 @@ edit::NetGeometry moved_points(const edit::NetGeometry& before, const edit::NetG
 }  // namespace
 
 Result<Conversation> Conversation::create(Document document, Outbox& outbox) {
-    RELIEF_TRY(edit::Session session, edit::Session::open(document.file, document.options));
+    RELIEF_TRY(edit::Session session, open_session(document));
     return Conversation(std::move(document), std::move(session), outbox);
 }
 
@@ -63,7 +71,7 @@ void Conversation::leave(PageId page) {
 }
 
 Status Conversation::replace(Document document) {
-    RELIEF_TRY(session_, edit::Session::open(document.file, document.options));
+    RELIEF_TRY(session_, open_session(document));
     document_ = std::move(document);
     drape_.clear();
     for (auto& [id, page] : pages_) {

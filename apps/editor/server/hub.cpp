@@ -24,6 +24,15 @@ constexpr auto kAlone = 3s;
 constexpr auto kGrace = 1s;
 constexpr long kMostConnections = 64;
 
+/// A file that was sent is known by its name, not by where we put it.
+Error without_folder(Error error, const std::string& path) {
+    const std::string folder = path.substr(0, path.rfind('/') + 1);
+    for (std::string* text : {&error.message, &error.where})
+        for (auto at = text->find(folder); at != std::string::npos; at = text->find(folder))
+            text->erase(at, folder.size());
+    return error;
+}
+
 Error no_memory() {
     return {ErrorCode::BadInput, "not enough memory for that", ""};
 }
@@ -148,16 +157,22 @@ void Hub::open(const std::string& path, Reply<Json> reply) {
     worker_->cancel();
     work<Json>(
         [this, path](const Wanted&) -> Result<Json> {
-            RELIEF_TRY(Document document, files_.open(path, [this](double) { return !stopping_; }));
-            RELIEF_CHECK(conversation_->replace(std::move(document)));
+            auto document = files_.open(path, [this](double) { return !stopping_; });
+            if (!document.ok()) return without_folder(document.error(), path);
+            RELIEF_CHECK(conversation_->replace(*std::move(document)));
             return Json::object();
         },
         std::move(reply));
 }
 
 void Hub::drape(const std::string& path, Reply<Json> reply) {
-    work<Json>([this, path](const Wanted&) { return conversation_->drape(path); },
-               std::move(reply));
+    work<Json>(
+        [this, path](const Wanted&) -> Result<Json> {
+            auto rect = conversation_->drape(path);
+            if (!rect.ok()) return without_folder(rect.error(), path);
+            return rect;
+        },
+        std::move(reply));
 }
 
 void Hub::drape_picture(Reply<Bytes> reply) {
