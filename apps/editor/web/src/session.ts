@@ -44,6 +44,7 @@ function startState(hello: Hello): Partial<State> {
     const handy = hello.levels.find((level) => level.control_points <= handyNet);
     return {
         hello,
+        bounds: { min: hello.min, max: hello.max },
         connected: true,
         revision: hello.revision,
         history: hello.history,
@@ -228,9 +229,10 @@ export class Session {
     private changed(changed: Changed): void {
         const { store, viewport } = this.parts;
         viewport.setBounds(changed.min, changed.max);
-        const hello = store.state.hello;
-        if (hello) store.set({ hello: { ...hello, min: changed.min, max: changed.max } });
-        store.set({ revision: changed.revision, history: changed.history, compressed: null });
+        store.set({
+            bounds: { min: changed.min, max: changed.max },
+            revision: changed.revision, history: changed.history, compressed: null,
+        });
         if (store.state.colouring === "error") void this.measureErrors();
     }
 

@@ -1,12 +1,14 @@
 // The state that panels, shortcuts and the viewport share.
 
-import type { CompressAnswer, ErrorsAnswer, Hello, History, Profile, Shown } from "./protocol";
+import type { CompressAnswer, ErrorsAnswer, Hello, History, Profile, Shown, Vector3 } from "./protocol";
 
 export type Colouring = "plain" | "height" | "slope" | "curvature" | "error";
 export type Tool = "move" | "tilt";
 
 export interface State {
     hello: Hello | null;
+    /** Where the geometry lies now, in page coordinates. */
+    bounds: { min: Vector3; max: Vector3 };
     connected: boolean;
     revision: number;
     history: History;
@@ -42,6 +44,7 @@ export interface State {
 
 export const initialState: State = {
     hello: null,
+    bounds: { min: [0, 0, 0], max: [1, 1, 1] },
     connected: false,
     revision: 0,
     history: { done: 0, entries: [] },
