@@ -10,7 +10,7 @@ export interface ColourMap {
 }
 
 export const heightMap: ColourMap = {
-    stops: ["#00224e", "#35456c", "#666970", "#948e77", "#c8b866", "#fee838"],
+    stops: ["#17335c", "#2b6272", "#5a8a60", "#a39b4c", "#e0ab68", "#fbd9c4"],
     diverging: false,
 };
 

@@ -53,7 +53,7 @@ function pointMaterial(opacity: number, depthTest: boolean): THREE.RawShaderMate
         depthTest,
         depthWrite: false,
         uniforms: {
-            size: { value: 8 },
+            size: { value: 1 },
             opacity: { value: opacity },
             point: { value: new THREE.Vector3() },
             selected: { value: new THREE.Vector3() },
@@ -75,8 +75,8 @@ export class ControlNet {
     /** What is behind the surface is drawn faintly, by a second pass without depth test. */
     private readonly pointMaterials = [pointMaterial(0.3, false), pointMaterial(1, true)];
     private readonly lineMaterials = [
-        new THREE.LineBasicMaterial({ transparent: true, opacity: 0.12, depthTest: false, depthWrite: false }),
-        new THREE.LineBasicMaterial({ transparent: true, opacity: 0.6, depthWrite: false }),
+        new THREE.LineBasicMaterial({ transparent: true, opacity: 0.25, depthTest: false, depthWrite: false }),
+        new THREE.LineBasicMaterial({ transparent: true, opacity: 0.8, depthWrite: false }),
     ];
     private readonly points = new THREE.BufferGeometry();
     private readonly lines = new THREE.BufferGeometry();
@@ -188,7 +188,7 @@ export class ControlNet {
         for (const material of this.pointMaterials) {
             material.uniforms.point.value = vector(colours.point);
             material.uniforms.selected.value = vector(colours.selected);
-            material.uniforms.size.value = 8 * this.viewport.pixelRatio;
+            material.uniforms.size.value = 7 * this.viewport.pixelRatio;
         }
         for (const material of this.lineMaterials) material.color.setHex(colours.line);
         this.viewport.invalidate();

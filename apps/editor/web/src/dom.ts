@@ -44,13 +44,12 @@ export interface Field {
 
 /** A number with its label. `entered` is called with finite numbers that the user has confirmed. */
 export function numberField(label: string, entered: (value: number) => void, attributes: Attributes = {}): Field {
-    const id = freshId();
-    const input = el("input", { type: "number", step: "any", id, ...attributes });
+    const input = el("input", { type: "number", step: "any", id: freshId(), ...attributes });
     const confirm = () => {
         if (Number.isFinite(input.valueAsNumber) && input.checkValidity()) entered(input.valueAsNumber);
     };
     input.addEventListener("change", confirm);
-    const element = el("div", { class: "field" }, el("label", { for: id }, label), input);
+    const element = el("div", { class: "field" }, el("label", { for: input.id }, label), input);
     return { element, input, show: (value) => { if (input.value !== value) input.value = value; } };
 }
 
@@ -92,8 +91,9 @@ export interface Select<T extends string> {
     show(value: T): void;
 }
 
-export function select<T extends string>(label: string, values: readonly [T, string][], chosen: (value: T) => void): Select<T> {
-    const id = freshId();
+export function select<T extends string>(
+    label: string, values: readonly [T, string][], chosen: (value: T) => void, id = freshId(),
+): Select<T> {
     const input = el("select", { id, onchange: () => chosen(input.value as T) });
     for (const [value, text] of values) input.append(el("option", { value }, text));
     return {

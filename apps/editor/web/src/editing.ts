@@ -10,6 +10,8 @@ import type { Viewport } from "./viewport";
 
 /** Pixels around a point within which the pointer takes it. */
 const reach = 9;
+/** Control points that are farther away than the surface by this factor count as hidden. */
+const behindSurface = 1.02;
 
 interface Drag {
     tilting: boolean;
@@ -54,10 +56,16 @@ export class Editing {
         return hello === null || movesOnlyUp(hello);
     }
 
-    /** The place of the control point under the pointer, or -1. */
-    placeAt(pointer: Point2): number {
+    /** The place of the control point under the pointer, or -1. Points before the surface go before those behind. */
+    placeAt(pointer: Point2, within = reach): number {
         if (this.net.count === 0) return -1;
-        return placeUnder(this.viewport.project(this.net.position), pointer, reach);
+        const projected = this.viewport.project(this.net.position);
+        const nearest = placeUnder(projected, pointer, within);
+        const surface = this.session.shape?.object;
+        const hit = nearest >= 0 && surface ? this.viewport.hit(pointer, surface) : null;
+        if (!hit) return nearest;
+        const before = placeUnder(projected, pointer, within, behindSurface * this.viewport.projectPoint(hit)[2]);
+        return before >= 0 ? before : nearest;
     }
 
     hover(pointer: Point2): boolean {
@@ -110,7 +118,7 @@ export class Editing {
             const middle = { x: this.viewport.width / 2, y: this.viewport.height / 2 };
             const next = selected.length > 0
                 ? neighbourTowards(this.net.adjacency, projected, selected[selected.length - 1], direction)
-                : placeUnder(projected, middle, Infinity);
+                : this.placeAt(middle, Infinity);
             if (next >= 0) this.select(next, false);
         });
     }

@@ -51,14 +51,17 @@ export function placesInBox(projected: Projected, box: Box): number[] {
     return found;
 }
 
-/** The place of the point nearest to the pointer within `reach` pixels, or -1. Of points on one pixel the front one. */
-export function placeUnder(projected: Projected, pointer: Point2, reach: number): number {
+/**
+ * The place of the point nearest to the pointer within `reach` pixels and no deeper than `deepest`, or -1. Of points on
+ * one pixel the front one.
+ */
+export function placeUnder(projected: Projected, pointer: Point2, reach: number, deepest = Infinity): number {
     let best = -1;
     let bestDistance = reach;
     let bestDepth = Infinity;
     for (let i = 0; 3 * i < projected.length; ++i) {
         const depth = projected[3 * i + 2];
-        if (Number.isNaN(depth)) continue;
+        if (!(depth <= deepest)) continue;
         const distance = Math.hypot(projected[3 * i] - pointer.x, projected[3 * i + 1] - pointer.y);
         if (distance > reach) continue;
         const clearlyNearer = distance < bestDistance - 1;

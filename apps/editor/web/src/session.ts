@@ -92,7 +92,10 @@ export class Session {
         });
         const keys = ["hello", "level", "shown", "colouring", "net", "netLevel"] as const;
         parts.store.watch(keys, () => this.updateView());
-        parts.viewport.onDraw(() => this.followWindow());
+        parts.viewport.onDraw(() => {
+            this.followWindow();
+            this.shape?.prepare();
+        });
     }
 
     get pending(): number {
@@ -233,6 +236,7 @@ export class Session {
             bounds: { min: changed.min, max: changed.max },
             revision: changed.revision, history: changed.history, compressed: null,
         });
+        if (store.state.shown === "compressed") store.set({ shown: "edited" });
         if (store.state.colouring === "error") void this.measureErrors();
     }
 

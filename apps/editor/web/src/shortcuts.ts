@@ -42,6 +42,15 @@ export const shortcutGroups: readonly ShortcutGroup[] = [
         ],
     },
     {
+        title: "File",
+        shortcuts: [
+            { action: "open", keys: ["Ctrl+O"], label: "Open a file" },
+            { action: "save", keys: ["Ctrl+S"], label: "Save" },
+            { action: "picture", keys: ["P"], label: "Save a picture (PNG)" },
+            { action: "help", keys: ["?", "F1"], label: "This help" },
+        ],
+    },
+    {
         title: "Show",
         shortcuts: [
             { action: "finer", keys: ["PageDown", "]"], label: "Finer level" },
@@ -85,15 +94,6 @@ export const shortcutGroups: readonly ShortcutGroup[] = [
             { action: "narrower", keys: [","], label: "Narrower falloff" },
             { action: "undo", keys: ["Ctrl+Z", "Z"], label: "Undo" },
             { action: "redo", keys: ["Ctrl+Shift+Z", "Shift+Z", "Ctrl+Y"], label: "Redo" },
-        ],
-    },
-    {
-        title: "File",
-        shortcuts: [
-            { action: "open", keys: ["Ctrl+O"], label: "Open a file" },
-            { action: "save", keys: ["Ctrl+S"], label: "Save" },
-            { action: "picture", keys: ["P"], label: "Save a picture (PNG)" },
-            { action: "help", keys: ["?", "F1"], label: "This help" },
         ],
     },
 ];

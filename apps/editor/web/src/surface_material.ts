@@ -39,6 +39,7 @@ uniform bool twoSided;
 uniform bool filled;
 uniform float gridStep;     // 0: no lines
 uniform vec3 gridColour;
+uniform float shading;
 uniform bool draped;
 uniform sampler2D drape;
 uniform vec4 drapeRect;
@@ -88,6 +89,7 @@ void main() {
     vec3 towards = normalize(eyePlace - seen);
     float sunlight = max(0.0, dot(lit, sun));
     float light = 0.2 + 0.8 * sunlight + 0.12 * max(0.0, dot(lit, towards)) + 0.08 * lit.z;
+    light = mix(1.0, light, shading);
     vec3 base = filled ? baseColour(n) * light : toLinear(gridColour);
     colour = vec4(toScreen(clamp(mix(base, toLinear(gridColour), filled ? 0.55 * line : 0.0), 0.0, 1.0)), 1.0);
 }`;
@@ -121,6 +123,7 @@ export class SurfaceMaterial extends THREE.RawShaderMaterial {
             filled: { value: true },
             gridStep: { value: 0 },
             gridColour: { value: new THREE.Vector3() },
+            shading: { value: 1 },
             draped: { value: false },
             drape: { value: emptyTexture },
             drapeRect: { value: new THREE.Vector4(0, 0, 1, 1) },
@@ -168,6 +171,8 @@ export class SurfaceMaterial extends THREE.RawShaderMaterial {
     setColouring(quantity: "height" | "slope" | "value", map: ColourMap | null, low: number, high: number): void {
         const codes = { height: 1, slope: 2, value: 3 };
         this.set("colouring", map ? codes[quantity] : 0);
+        // Colours that must be read by the legend are darkened less than those of a landscape.
+        this.set("shading", map && quantity !== "height" ? 0.5 : 1);
         (this.uniforms.range.value as THREE.Vector2).set(low, high);
         if (!map) return;
         (this.table.image.data as Uint8Array).set(colourTable(map, 256));

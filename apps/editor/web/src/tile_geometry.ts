@@ -78,14 +78,19 @@ function triangles(rows: number, cols: number, valid: Uint8Array | null, skirt: 
     return index;
 }
 
-/** The largest step between neighbouring samples of the tile's inner sides: cracks are hardly deeper. */
-function skirtDepth(tile: Tile): number {
+/**
+ * A crack beside a tile of half as many samples is as deep as samples lie off the line between their neighbours. Three
+ * times this is enough where the neighbour is still coarser or smoother.
+ */
+function skirtDepth({ position, skirt, cols }: Tile): number {
+    const z = (i: number) => position[3 * skirt[i] + 2];
+    const step = (i: number) => skirt[i + 1] - skirt[i];
     let depth = 0;
-    for (let i = 0; i + 1 < tile.skirt.length; ++i) {
-        const step = Math.abs(tile.position[3 * tile.skirt[i] + 2] - tile.position[3 * tile.skirt[i + 1] + 2]);
-        if (step > depth) depth = step;
+    for (let i = 1; i + 1 < skirt.length; ++i) {
+        const alongOneSide = step(i) === step(i - 1) && (step(i) === 1 || step(i) === cols);
+        if (alongOneSide) depth = Math.max(depth, Math.abs(z(i) - (z(i - 1) + z(i + 1)) / 2));
     }
-    return 2 * depth;
+    return 3 * depth;
 }
 
 /** Copies what the samples say to the skirts below them. */

@@ -26,8 +26,8 @@ export function compressSection({ store, actions }: Panel): HTMLElement {
         window.clearTimeout(timer);
         timer = window.setTimeout(() => actions.compress(), restMilliseconds);
     };
-    const field = numberField("Largest error allowed", chosen, { min: 0, id: "bound" });
-    const slider = ratioSlider("Largest error allowed", chosen);
+    const field = numberField("Error bound", chosen, { min: 0, id: "bound" });
+    const slider = ratioSlider("Error bound", chosen);
     slider.input.id = "bound-slider";
     const table = el("dl", { id: "compressed" });
     const hint = el("p", { class: "dim" }, "Move the slider to see what a bound costs and how it looks.");
@@ -36,7 +36,7 @@ export function compressSection({ store, actions }: Panel): HTMLElement {
         const most = roundUp((height || 1) / 10);
         slider.setRange(most / 1e5, most);
         slider.input.disabled = field.input.disabled = !hello;
-        (field.element.firstChild as HTMLElement).textContent = `Largest error allowed${hello?.unit ? ` (${hello.unit})` : ""}`;
+        (field.element.firstChild as HTMLElement).textContent = `Error bound${hello?.unit ? ` (${hello.unit})` : ""}`;
     });
     store.watch(["hello", "bound"], ({ bound, hello }) => {
         field.show(format.field(bound));

@@ -9,8 +9,7 @@ const profiles: readonly [Profile, string][] = [["smooth", "Smooth"], ["linear",
 const tools: readonly [Tool, string][] = [["move", "Move"], ["tilt", "Tilt"]];
 
 function netLevel({ store }: Panel): HTMLElement {
-    const level = select<string>("Control points of level", [], (value) => store.set({ netLevel: Number(value) }));
-    level.input.id = "net-level";
+    const level = select<string>("Points of level", [], (value) => store.set({ netLevel: Number(value) }), "net-level");
     store.watch(["hello"], ({ hello }) => {
         const options = (hello?.levels ?? []).map((info) => el("option", { value: info.level, title: levelCounts(info) },
             `${info.level} (${format.count(info.control_points)})`));

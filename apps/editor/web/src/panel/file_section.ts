@@ -45,10 +45,10 @@ export function fileSection({ store, actions }: Panel): HTMLElement {
     drapeInput.id = "drape-file";
     const open = button("Open\u2026", () => openInput.click(), { title: "Ctrl+O, or drop a file on the page" });
     const save = button("Save", () => actions.run("save"), { title: "Ctrl+S" });
-    const drape = button("Drape image\u2026", () => drapeInput.click());
+    const drape = button("Drape\u2026", () => drapeInput.click(), { title: "Lay an image over the terrain" });
     const picture = button("Picture", () => actions.run("picture"), { title: "Save what is seen as PNG (P)" });
-    const chosen = select("Export as", formats, () => {});
-    chosen.input.id = "export-format";
+    const chosen = select("Format of the export", formats, () => {}, "export-format");
+    chosen.element.classList.add("unlabelled");
     const download = button("Export", () => actions.exportAs(chosen.input.value as ExportFormat));
     store.watch(["hello"], ({ hello }) => {
         name.textContent = hello?.name ?? "No file";
@@ -65,5 +65,5 @@ export function fileSection({ store, actions }: Panel): HTMLElement {
     store.watch(["history", "savedAt"], ({ history, savedAt }) => {
         save.classList.toggle("primary", history.done !== savedAt);
     });
-    return section("File", name, about, row(open, save, picture), row(drape), row(chosen.element, download), openInput, drapeInput);
+    return section("File", name, about, el("div", { class: "row even" }, open, save, picture, drape), row(chosen.element, download), openInput, drapeInput);
 }

@@ -6,7 +6,7 @@ import type { Panel } from "./panel";
 
 const colourings: readonly [Colouring, string][] = [
     ["plain", "Plain"], ["height", "Height"], ["slope", "Slope"], ["curvature", "Curvature"],
-    ["error", "Error against the original"],
+    ["error", "Error"],
 ];
 
 const shown: readonly [Shown, string][] = [["edited", "Edited"], ["original", "Original"], ["compressed", "Compressed"]];
@@ -44,8 +44,7 @@ export function showSection(panel: Panel): HTMLElement {
     const net = checkbox("Control net", (checked) => store.set({ net: checked }));
     const image = checkbox("Image", (checked) => store.set({ drape: checked ? "shown" : "hidden" }));
     const which = segments("Surface shown", shown, (value) => store.set({ shown: value }));
-    const colour = select("Colour by", colourings, (value) => store.set({ colouring: value }));
-    colour.input.id = "colouring";
+    const colour = select("Colour by", colourings, (value) => store.set({ colouring: value }), "colouring");
     const stretch = exaggeration(panel);
     store.watch(["surface", "wireframe", "net", "drape"], (state) => {
         surface.show(String(state.surface));
