@@ -22,8 +22,8 @@ in float state;             // 0 .. 1: weight of the falloff; 2: selected; 3: un
 out float weight;
 void main() {
     weight = state;
-    gl_Position = projectionMatrix * (modelViewMatrix * vec4(position, 1.0));
-    gl_Position.z -= 1e-4 * gl_Position.w;
+    // A little towards the eye, so that the surface does not cut through the discs.
+    gl_Position = projectionMatrix * vec4(0.985 * (modelViewMatrix * vec4(position, 1.0)).xyz, 1.0);
     gl_PointSize = size * (state >= 2.0 ? 1.45 : 1.0 + 0.3 * state) + 2.0;
 }`;
 

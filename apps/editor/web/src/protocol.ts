@@ -52,7 +52,7 @@ export type Edit = Move | Tilt;
 
 export interface History {
     done: number;
-    entries: { text: string; command: unknown }[];
+    entries: { text: string }[];
 }
 
 export interface Hello {

@@ -67,13 +67,19 @@ vec3 baseColour(vec3 n) {
     return toLinear(base);
 }
 
-// Lines of the lattice one pixel wide; where they would be closer than 8 pixels, only every 2nd, 4th, .. is drawn.
+// Every so many-th line of the lattice, one pixel wide.
+float linesOf(vec2 at, vec2 width, float every) {
+    vec2 away = abs(fract(at / every - 0.5) - 0.5) * every / max(width, vec2(1e-6));
+    return 1.0 - smoothstep(0.5, 1.5, min(away.x, away.y));
+}
+
+// Where lines would be closer than 8 pixels, only every 2nd, 4th, .. is drawn; those between fade away.
 float gridLine() {
     vec2 at = cell / gridStep;
     vec2 width = fwidth(at);
-    float every = exp2(ceil(max(0.0, log2(max(max(width.x, width.y) * 8.0, 1e-6)))));
-    vec2 away = abs(fract(at / every - 0.5) - 0.5) * every / max(width, vec2(1e-6));
-    return 1.0 - smoothstep(0.5, 1.5, min(away.x, away.y));
+    float crowding = max(0.0, log2(max(max(width.x, width.y) * 8.0, 1e-6)));
+    float every = exp2(floor(crowding));
+    return max(linesOf(at, width, 2.0 * every), linesOf(at, width, every) * (1.0 - fract(crowding)));
 }
 
 void main() {
