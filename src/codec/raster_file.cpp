@@ -355,6 +355,28 @@ Result<Raster> RasterFile::decode(int level) const {
                      std::to_string(first.row0 + first.rows - 1)};
 }
 
+namespace {
+
+/// The file with other moves.
+Status write_with(const std::shared_ptr<const ByteSource>& source, const std::vector<Move>& moves,
+                  ByteSink& sink) {
+    RELIEF_TRY(const ContainerReader reader, ContainerReader::open(source));
+    std::vector<ChunkInfo> chunks = reader.chunks();
+    const Bytes edits = moves.empty() ? Bytes() : write_moves(moves);
+    chunks[kEditsChunk].length = edits.size();
+    chunks[kEditsChunk].checksum = chunk_checksum(edits);
+    RELIEF_TRY(const Bytes head, container_head(reader.header(), chunks));
+    RELIEF_CHECK(sink.write(head));
+    RELIEF_CHECK(sink.write(edits));
+    for (std::size_t k = kEditsChunk + 1; k < chunks.size(); ++k) {
+        RELIEF_TRY(const Bytes chunk, reader.chunk(k));
+        RELIEF_CHECK(sink.write(chunk));
+    }
+    return {};
+}
+
+}  // namespace
+
 Status add_moves(const std::shared_ptr<const ByteSource>& source, const std::vector<Move>& moves,
                  ByteSink& sink) {
     RELIEF_TRY(const RasterFile opened, RasterFile::open(source));
@@ -366,19 +388,14 @@ Status add_moves(const std::shared_ptr<const ByteSource>& source, const std::vec
                          "a displacement is not a number of at most 1e300", ""};
         all.push_back(move);
     }
-    RELIEF_TRY(const ContainerReader reader, ContainerReader::open(source));
-    std::vector<ChunkInfo> chunks = reader.chunks();
-    const Bytes edits = write_moves(all);
-    chunks[kEditsChunk].length = edits.size();
-    chunks[kEditsChunk].checksum = chunk_checksum(edits);
-    RELIEF_TRY(const Bytes head, container_head(reader.header(), chunks));
-    RELIEF_CHECK(sink.write(head));
-    RELIEF_CHECK(sink.write(edits));
-    for (std::size_t k = kEditsChunk + 1; k < chunks.size(); ++k) {
-        RELIEF_TRY(const Bytes chunk, reader.chunk(k));
-        RELIEF_CHECK(sink.write(chunk));
-    }
-    return {};
+    return write_with(source, all, sink);
+}
+
+Result<Bytes> without_moves(const std::shared_ptr<const ByteSource>& source) {
+    RELIEF_TRY(const RasterFile opened, RasterFile::open(source));
+    MemorySink sink;
+    RELIEF_CHECK(write_with(source, {}, sink));
+    return sink.take();
 }
 
 Result<Bytes> add_moves(Bytes file, const std::vector<Move>& moves) {

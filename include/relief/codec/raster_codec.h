@@ -217,6 +217,9 @@ Status add_moves(const std::shared_ptr<const ByteSource>& source,
 /// The same in memory.
 [[nodiscard]] Result<Bytes> add_moves(Bytes file, const std::vector<multires::Move>& moves);
 
+/// The file as it was before any move. Errors: BadFile; those of RasterFile::open.
+[[nodiscard]] Result<Bytes> without_moves(const std::shared_ptr<const ByteSource>& source);
+
 /// Sum of squares of (surface minus its reconstruction from the coarsest scaling coefficients) over
 /// valid samples: the denominator of energy_percent. The closed loop (scheme fvs) takes the
 /// bilinear surface through the coarsest lattice.
