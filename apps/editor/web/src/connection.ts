@@ -49,6 +49,11 @@ export class Connection {
         return this.lastId;
     }
 
+    /** Whether the message of this id is not answered, or frames that it asked for have not come. */
+    awaits(id: number): boolean {
+        return this.unanswered.has(id) || this.frames.has(id);
+    }
+
     /** Sends a question or a command. `frames`: how many binary messages follow the answer. Rejects with Refusal. */
     send<T extends Answer>(message: object, frames = 0): Promise<T> {
         if (this.socket.readyState !== WebSocket.OPEN) {
@@ -77,8 +82,12 @@ export class Connection {
             return;
         }
         const waiting = this.unanswered.get(message.id);
-        if (!waiting) return;
+        if (!waiting) throw new FrameError(message.ok ? "an answer that nothing asked for" : failureText(message.error));
         this.unanswered.delete(message.id);
+        // Answers come in order, each followed by its frames: what earlier ones still lack does not come.
+        for (const id of this.frames.keys()) {
+            if (id < message.id) this.frames.delete(id);
+        }
         if (!message.ok) {
             waiting.reject(new Refusal(message.error));
             return;

@@ -1,9 +1,9 @@
 // The control net of a level: its points, edges and control triangles, and how selection and falloff look on it.
 
 import * as THREE from "three";
-import { adjacency, falloffWeights, type Adjacency } from "./falloff";
+import { adjacency, falloffWeights, type Adjacency, type Metric } from "./falloff";
 import { checkIndices, FrameError, optionalArray, requiredArray, type Frame } from "./frame";
-import type { Profile, Vector3 } from "./protocol";
+import type { Falloff, Vector3 } from "./protocol";
 import { hashArrays } from "./shape";
 import type { Viewport } from "./viewport";
 
@@ -169,10 +169,10 @@ export class ControlNet {
     }
 
     /** Shows what is selected, how far its falloff reaches, and which point is under the pointer (-1: none). */
-    highlight(selection: ReadonlySet<number>, falloff: { radius: number; profile: Profile } | null, hovered: number): void {
+    highlight(selection: ReadonlySet<number>, falloff: (Falloff & { metric: Metric }) | null, hovered: number): void {
         const selected = this.placesOf(selection);
         if (falloff && selected.length > 0) {
-            this.states.set(falloffWeights(this.position, this.edges, selected, falloff.radius, falloff.profile));
+            this.states.set(falloffWeights(this.position, this.edges, selected, falloff.radius, falloff.profile, falloff.metric));
         } else {
             this.states.fill(0);
         }

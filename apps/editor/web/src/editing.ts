@@ -269,11 +269,12 @@ export class Editing {
     }
 
     private show(): void {
-        const { selection, falloff, radius, profile, net } = this.store.state;
+        const { hello, selection, falloff, radius, profile, net } = this.store.state;
         if (!this.drag) {
             const middle = net && this.canEdit ? this.net.middle(this.net.placesOf(selection)) : null;
             this.gizmo.show(middle, this.gizmoKind());
         }
-        this.net.highlight(selection, falloff ? { radius, profile } : null, this.hovered);
+        const metric = hello?.raster && !hello.parametric ? "plane" : "edges";
+        this.net.highlight(selection, falloff ? { radius, profile, metric } : null, this.hovered);
     }
 }

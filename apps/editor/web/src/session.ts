@@ -123,7 +123,8 @@ export class Session {
 
     /** Everything that was sent before is answered, and what it changed has come: an empty question comes back. */
     async fence(): Promise<void> {
-        if (this.parts.store.state.connected) await this.send({ ask: "forget", tiles: [] });
+        // Kinds without tiles refuse it, which is an answer too.
+        if (this.parts.store.state.connected) await this.connection.send({ ask: "forget", tiles: [] }).catch(() => null);
     }
 
     async save(): Promise<void> {

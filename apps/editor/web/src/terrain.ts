@@ -28,6 +28,7 @@ export class Terrain implements Shape {
     readonly object = new THREE.Group();
     private readonly raster: RasterInfo;
     private readonly loaded = new Map<string, Loaded>();
+    /** Tiles that were asked for since the view changed, by the id of the question. Those that fail are not asked for again. */
     private readonly asked = new Map<string, number>();
     private drawn: TileId[] = [];
     private since = 0;
@@ -126,7 +127,7 @@ export class Terrain implements Shape {
         const own = this.loaded.get(tileKey(id));
         if (own) return own.box;
         const whole = new THREE.Box3(new THREE.Vector3(...this.hello.min), new THREE.Vector3(...this.hello.max));
-        const above = id[0] < this.raster.coarsest ? this.boxOf(parent(this.raster, id)) : whole;
+        const above = id[0] < this.raster.coarsest ? this.boxOf(parent(id)) : whole;
         if (this.hello.parametric) return above;
         const [j, r, c] = id;
         const side = this.raster.tile * 2 ** j;
@@ -151,19 +152,18 @@ export class Terrain implements Shape {
     }
 
     private ask(tiles: TileId[]): void {
-        const next = tiles.slice(0, maxAsked - this.asked.size);
+        let waiting = 0;
+        for (const id of this.asked.values()) waiting += this.connection.awaits(id) ? 1 : 0;
+        const next = tiles.slice(0, Math.max(0, maxAsked - waiting));
         if (next.length === 0) return;
         const sent = this.connection.send({ ask: "tiles", tiles: next }, next.length);
         for (const id of next) this.asked.set(tileKey(id), this.connection.latestId);
-        sent.catch((reason: unknown) => {
-            for (const id of next) this.asked.delete(tileKey(id));
-            this.failed(reason);
-        });
+        sent.catch(this.failed);
     }
 
     private takeTile(frame: Frame): void {
-        // Of what was asked for before the view changed nothing is of use.
-        if (frame.id !== null && frame.id <= this.since) return;
+        // Of what was asked for before the view changed nothing is of use; 0 is what the server sends by itself.
+        if (frame.id && frame.id <= this.since) return;
         const tile = buildTile(frame, this.raster);
         const key = tileKey(tile.id);
         this.asked.delete(key);

@@ -24,34 +24,23 @@ export interface TileChoice {
 
 /** Rows and columns of tiles at j. */
 export function tileCounts(raster: RasterInfo, j: number): { rows: number; cols: number } {
-    const along = (samples: number) => Math.max(1, Math.ceil((Math.ceil(samples / 2 ** j) - 1) / raster.tile));
+    const along = (samples: number) => Math.max(1, Math.ceil((samples - 1) / (raster.tile * 2 ** j)));
     return { rows: along(raster.rows), cols: along(raster.cols) };
 }
 
-/** The first and one past the last tile at j - 1 of those in row (or column) `index` of `count` at j. */
-function finerRange(index: number, count: number, finerCount: number): [number, number] {
-    // Every other sample may leave out the last one, so that the last tile can have a third one beneath it.
-    return [2 * index, index === count - 1 ? finerCount : 2 * index + 2];
-}
-
-/** The tiles one step finer that cover the same samples, and those beyond the last one at the ends. */
+/** The tiles one step finer that cover the same samples. */
 export function children(raster: RasterInfo, [j, r, c]: TileId): TileId[] {
     if (j === 0) return [];
-    const counts = tileCounts(raster, j);
-    const finer = tileCounts(raster, j - 1);
-    const [top, bottom] = finerRange(r, counts.rows, finer.rows);
-    const [left, right] = finerRange(c, counts.cols, finer.cols);
+    const { rows, cols } = tileCounts(raster, j - 1);
     const found: TileId[] = [];
-    for (let row = top; row < bottom; ++row) {
-        for (let col = left; col < right; ++col) found.push([j - 1, row, col]);
+    for (let row = 2 * r; row < Math.min(2 * r + 2, rows); ++row) {
+        for (let col = 2 * c; col < Math.min(2 * c + 2, cols); ++col) found.push([j - 1, row, col]);
     }
     return found;
 }
 
-/** The tile of which this one is a child. */
-export function parent(raster: RasterInfo, [j, r, c]: TileId): TileId {
-    const { rows, cols } = tileCounts(raster, j + 1);
-    return [j + 1, Math.min(r >> 1, rows - 1), Math.min(c >> 1, cols - 1)];
+export function parent([j, r, c]: TileId): TileId {
+    return [j + 1, r >> 1, c >> 1];
 }
 
 /**

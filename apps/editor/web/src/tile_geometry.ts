@@ -35,8 +35,8 @@ function innerSides(raster: RasterInfo, [j, r, c]: TileId, rows: number, cols: n
     return {
         top: r > 0,
         left: c > 0,
-        bottom: (r * raster.tile + rows) * step < raster.rows,
-        right: (c * raster.tile + cols) * step < raster.cols,
+        bottom: (r * raster.tile + rows - 1) * step < raster.rows - 1,
+        right: (c * raster.tile + cols - 1) * step < raster.cols - 1,
     };
 }
 
@@ -149,10 +149,10 @@ export function buildTile(frame: Frame, raster: RasterInfo): Tile {
     const lattice = new Float32Array(2 * vertices);
     const step = 2 ** id[0];
     for (let i = 0; i < samples; ++i) {
-        lattice[2 * i] = (id[2] * raster.tile + (i % cols)) * step;
-        lattice[2 * i + 1] = (id[1] * raster.tile + Math.floor(i / cols)) * step;
+        lattice[2 * i] = Math.min((id[2] * raster.tile + (i % cols)) * step, raster.cols - 1);
+        lattice[2 * i + 1] = Math.min((id[1] * raster.tile + Math.floor(i / cols)) * step, raster.rows - 1);
     }
-    if (!placePoints(frame, position, cols)) throw new FrameError("a tile has neither height nor position");
+    if (!placePoints(frame, position, rows, cols)) throw new FrameError("a tile has neither height nor position");
     const shown = checkedValid(position, samples, valid);
     const index = triangles(rows, cols, shown, skirt, starts);
     const tile: Tile = {
@@ -166,20 +166,22 @@ export function buildTile(frame: Frame, raster: RasterInfo): Tile {
     return tile;
 }
 
+/** Page coordinates of samples along one side of a tile: in equal steps but for the last, which may be shorter. */
+function placesAlong(frame: Frame, axis: "x" | "y", count: number): Float64Array {
+    const [first, last, step] = [`${axis}0`, `${axis}1`, `d${axis}`].map((name) => headNumber(frame, name));
+    return Float64Array.from({ length: count }, (_, i) => (i > 0 && i === count - 1 ? last : first + step * i));
+}
+
 /** Heights over a lattice, or points of a parametric surface. False if the message has neither. */
-function placePoints(frame: Frame, position: Float32Array, cols: number): boolean {
-    const points = optionalArray(frame, "position", "f32", 3);
-    if (points) {
-        if (points.length > position.length) throw new FrameError("a tile has more points than samples");
-        position.set(points);
-        return true;
-    }
-    const height = optionalArray(frame, "height", "f32", 1);
-    if (!height || 3 * height.length > position.length) return false;
-    const [x0, y0, dx, dy] = ["x0", "y0", "dx", "dy"].map((name) => headNumber(frame, name));
+function placePoints(frame: Frame, position: Float32Array, rows: number, cols: number): boolean {
+    const points = optionalArray(frame, "position", "f32", 3, rows * cols);
+    if (points) position.set(points);
+    const height = optionalArray(frame, "height", "f32", 1, rows * cols);
+    if (points || !height) return points !== null;
+    const [x, y] = [placesAlong(frame, "x", cols), placesAlong(frame, "y", rows)];
     height.forEach((z, i) => {
-        position[3 * i] = x0 + dx * (i % cols);
-        position[3 * i + 1] = y0 + dy * Math.floor(i / cols);
+        position[3 * i] = x[i % cols];
+        position[3 * i + 1] = y[Math.floor(i / cols)];
         position[3 * i + 2] = z;
     });
     return true;

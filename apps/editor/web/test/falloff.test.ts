@@ -28,18 +28,18 @@ describe("distances along the net", () => {
     const net = adjacency(10, chain);
 
     it("add up along the edges", () => {
-        expect([...distances(triangular, net, [0], 100)]).toEqual([0, 1, 3, 6, 10, 15, 21, 28, 36, 45]);
-        expect([...distances(triangular, net, [4], 8)]).toEqual([Infinity, Infinity, 7, 4, 0, 5, Infinity, Infinity, Infinity, Infinity]);
+        expect([...distances(triangular, net, [0], 100, "edges")]).toEqual([0, 1, 3, 6, 10, 15, 21, 28, 36, 45]);
+        expect([...distances(triangular, net, [4], 8, "edges")]).toEqual([Infinity, Infinity, 7, 4, 0, 5, Infinity, Infinity, Infinity, Infinity]);
     });
 
     it("are those from the nearest of several points", () => {
-        expect([...distances(triangular, net, [1, 8], 100)]).toEqual([1, 0, 2, 5, 9, 14, 15, 8, 0, 9]);
+        expect([...distances(triangular, net, [1, 8], 100, "edges")]).toEqual([1, 0, 2, 5, 9, 14, 15, 8, 0, 9]);
     });
 
     it("go around what is not joined", () => {
         // A horseshoe: the ends are 1 apart, but 5 along the edges.
         const horseshoe = Float32Array.of(0, 0, 0, 0, 2, 0, 1, 2, 0, 1, 0, 0);
-        expect(distances(horseshoe, adjacency(4, Uint32Array.of(0, 1, 1, 2, 2, 3)), [0], 100)[3]).toBe(5);
+        expect(distances(horseshoe, adjacency(4, Uint32Array.of(0, 1, 1, 2, 2, 3)), [0], 100, "edges")[3]).toBe(5);
     });
 
     it("are the shortest ones on a lattice", () => {
@@ -53,17 +53,24 @@ describe("distances along the net", () => {
             if (p % side < side - 1) line.push(p, p + 1);
             if (p + side < side * side) line.push(p, p + side);
         }
-        const found = distances(position, adjacency(side * side, Uint32Array.from(line)), [63, 287], 1000);
+        const found = distances(position, adjacency(side * side, Uint32Array.from(line)), [63, 287], 1000, "edges");
         const city = (p: number, q: number) => Math.abs((p % side) - (q % side)) + Math.abs(Math.floor(p / side) - Math.floor(q / side));
         expect([...found]).toEqual(Array.from({ length: side * side }, (_, p) => Math.min(city(p, 63), city(p, 287))));
     });
 
+    it("are straight in the plane where they are asked for so", () => {
+        const zigzag = Float32Array.of(0, 0, 9, 3, 4, -2, 0, 8, 5, 3, 12, 1);
+        const path = adjacency(4, Uint32Array.of(0, 1, 1, 2, 2, 3));
+        expect([...distances(zigzag, path, [0], 9, "plane")]).toEqual([0, 5, 8, Infinity]);
+        expect([...distances(zigzag, path, [0, 3], 9, "plane")]).toEqual([0, 5, 5, 0]);
+    });
+
     it("give weights", () => {
-        const weights = falloffWeights(triangular, net, [0], 6, "linear");
+        const weights = falloffWeights(triangular, net, [0], 6, "linear", "edges");
         expect([...weights]).toEqual([1, 5 / 6, 0.5, 0, 0, 0, 0, 0, 0, 0].map(Math.fround));
     });
 
     it("take no point without neighbours for a neighbour", () => {
-        expect([...distances(new Float32Array(9), adjacency(3, new Uint32Array()), [1], 5)]).toEqual([Infinity, 0, Infinity]);
+        expect([...distances(new Float32Array(9), adjacency(3, new Uint32Array()), [1], 5, "edges")]).toEqual([Infinity, 0, Infinity]);
     });
 });

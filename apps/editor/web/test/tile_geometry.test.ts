@@ -10,7 +10,7 @@ function tileFrame(head: object, height: number[], more: Record<string, [Source,
     const normal = new Int16Array(4 * height.length);
     for (let i = 0; i < height.length; ++i) normal[4 * i + 2] = 32767;
     return decodeFrame(frameOf(
-        { what: "tile", tile: [0, 0, 0], rows: 5, cols: 5, x0: 100, y0: 200, dx: 10, dy: -10, ...head },
+        { what: "tile", tile: [0, 0, 0], rows: 5, cols: 5, x0: 100, y0: 200, x1: 140, y1: 160, dx: 10, dy: -10, ...head },
         { height: [Float32Array.from(height), 1], normal: [normal, 4], ...more },
     ));
 }
@@ -52,6 +52,15 @@ describe("a tile", () => {
     it("at the end of the raster has no skirts there", () => {
         expect(buildTile(tileFrame({ tile: [0, 1, 1] }, plane), raster).skirt.length).toBe(10);
         expect(buildTile(tileFrame({ tile: [1, 0, 0] }, plane), raster).skirt.length).toBe(0);
+    });
+
+    it("ends with the last row and column, however near they are", () => {
+        const uneven: RasterInfo = { ...raster, rows: 8, cols: 8 };
+        const tile = buildTile(tileFrame({ tile: [1, 0, 0], x1: 135, y1: 165 }, plane), uneven);
+        expect(point(tile, 3).slice(0, 2)).toEqual([130, 200]);
+        expect(point(tile, 24).slice(0, 2)).toEqual([135, 165]);
+        expect([...tile.lattice.subarray(48, 50)]).toEqual([7, 7]);
+        expect(tile.skirt.length).toBe(0);
     });
 
     it("leaves out triangles at samples that are not valid or not finite", () => {
