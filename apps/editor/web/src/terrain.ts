@@ -117,9 +117,8 @@ export class Terrain implements Shape {
         };
     }
 
-    /** Software renderers draw few triangles. */
     private limits(): { pixels: number; tiles: number } {
-        return this.viewport.software ? { pixels: 8, tiles: 6 } : { pixels: 2.5, tiles: 120 };
+        return this.viewport.software ? { pixels: 8, tiles: 4 } : { pixels: 2.5, tiles: 120 };
     }
 
     /** Of a tile that is not loaded: its part of the nearest coarser one, or where the raster lies. */

@@ -12,6 +12,15 @@ const firstView: CameraState = {
     elevation: (38 * Math.PI) / 180,
 };
 
+/** Whether the browser computes pictures without a graphics card. */
+function drawsInSoftware(): boolean {
+    const gl = document.createElement("canvas").getContext("webgl2");
+    const info = gl?.getExtension("WEBGL_debug_renderer_info");
+    const name = gl && info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : "";
+    gl?.getExtension("WEBGL_lose_context")?.loseContext();
+    return /swiftshader|llvmpipe|software/i.test(name);
+}
+
 export interface Ray {
     origin: Vector3;
     direction: Vector3;
@@ -21,6 +30,8 @@ export class Viewport {
     readonly scene = new THREE.Scene();
     /** Geometry in page coordinates; its z is stretched by the exaggeration. */
     readonly world = new THREE.Group();
+    /** Whether the browser computes pictures without a graphics card: then they have to be simpler. */
+    readonly software = drawsInSoftware();
     private readonly renderer: THREE.WebGLRenderer;
     private readonly lens = new THREE.PerspectiveCamera((fieldOfView * 180) / Math.PI);
     private readonly caster = new THREE.Raycaster();
@@ -31,7 +42,7 @@ export class Viewport {
     frames = 0;
 
     constructor(readonly canvas: HTMLCanvasElement) {
-        this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
+        this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.software, alpha: true });
         this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
         this.scene.add(this.world);
         this.lens.matrixAutoUpdate = false;
@@ -53,14 +64,6 @@ export class Viewport {
 
     get maxTextureSize(): number {
         return this.renderer.capabilities.maxTextureSize;
-    }
-
-    /** Whether pictures are computed without a graphics card. */
-    get software(): boolean {
-        const gl = this.renderer.getContext();
-        const info = gl.getExtension("WEBGL_debug_renderer_info");
-        const name = info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : "";
-        return /swiftshader|llvmpipe|software/i.test(name);
     }
 
     get camera(): CameraState {
