@@ -1,6 +1,7 @@
 // What buttons and keys do.
 
 import { orbited, panned, zoomed } from "./camera";
+import { confirmed } from "./confirm";
 import type { Editing } from "./editing";
 import type { Help } from "./help";
 import { savePicture } from "./picture";
@@ -43,8 +44,11 @@ export class Actions {
         this.table[action]();
     }
 
-    openFile(file: File): void {
-        void this.parts.session.open(file);
+    async openFile(file: File): Promise<void> {
+        const { store, session } = this.parts;
+        const { history, savedAt, hello } = store.state;
+        const question = `${hello?.name} has changes that were not saved. Open ${file.name} and lose them?`;
+        if (history.done === savedAt || (await confirmed(question, "Open"))) await session.open(file);
     }
 
     drapeFile(file: File): void {
@@ -52,10 +56,7 @@ export class Actions {
     }
 
     exportAs(format: ExportFormat): void {
-        const link = document.createElement("a");
-        link.href = `export?format=${format}`;
-        link.download = "";
-        link.click();
+        void this.parts.session.download(format);
     }
 
     compress(): void {

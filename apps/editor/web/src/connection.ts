@@ -6,6 +6,8 @@ import { failureText, type Answer, type Failure, type ServerEvent } from "./prot
 export interface Listener {
     event(event: ServerEvent): void;
     frame(frame: Frame): void;
+    /** Called with the id of what was answered, done or refused. */
+    answered(id: number): void;
     closed(): void;
     broken(message: string): void;
 }
@@ -84,6 +86,7 @@ export class Connection {
         const waiting = this.unanswered.get(message.id);
         if (!waiting) throw new FrameError(message.ok ? "an answer that nothing asked for" : failureText(message.error));
         this.unanswered.delete(message.id);
+        this.listener.answered(message.id);
         // Answers come in order, each followed by its frames: what earlier ones still lack does not come.
         for (const id of this.frames.keys()) {
             if (id < message.id) this.frames.delete(id);

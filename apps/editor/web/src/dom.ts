@@ -121,3 +121,11 @@ export function ratioSlider(label: string, moved: (value: number) => void) {
         },
     };
 }
+
+/** Gives a file to the browser's downloads. */
+export function saveBlob(blob: Blob, name: string): void {
+    const link = el("a", { href: URL.createObjectURL(blob), download: name });
+    link.click();
+    // The browser has begun to read it by then.
+    setTimeout(() => URL.revokeObjectURL(link.href), 60000);
+}

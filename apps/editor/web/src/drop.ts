@@ -17,7 +17,7 @@ function zone(title: string, text: string, dropped: (file: File) => void): HTMLE
 }
 
 export function dropZones(store: Store, actions: Actions): HTMLElement {
-    const open = zone("Open", "in place of this file", (file) => actions.openFile(file));
+    const open = zone("Open", "in place of this file", (file) => void actions.openFile(file));
     const drape = zone("Drape", "as an image over the terrain", (file) => actions.drapeFile(file));
     const element = el("div", { class: "drop", hidden: true }, open, drape);
     const hasFiles = (event: DragEvent) => event.dataTransfer?.types.includes("Files") ?? false;

@@ -2,6 +2,7 @@
 
 import type { ControlNet } from "./control_net";
 import type { Gizmo, GizmoKind, Handle } from "./gizmo";
+import { LatestSender } from "./latest_sender";
 import { movesOnlyUp, type Edit, type Falloff, type Vector3 } from "./protocol";
 import { grown, neighbourTowards, placesInBox, placeUnder, toggled, united, type Box, type Point2 } from "./selection";
 import type { Session } from "./session";
@@ -21,8 +22,7 @@ interface Drag {
 
 export class Editing {
     private drag: Drag | null = null;
-    private dragAnswered = true;
-    private wanted: Edit | null = null;
+    private readonly drags = new LatestSender<Edit>(({ do: of, ...members }) => this.session.send({ do: "drag", of, ...members }));
     private hovered = -1;
     private netLevel = -1;
     private afterNet: (() => void) | null = null;
@@ -75,6 +75,13 @@ export class Editing {
             this.show();
         }
         return place >= 0 || this.gizmo.handleAt(pointer) !== null;
+    }
+
+    /** The pointer is not over the viewport any more, or does something else. */
+    unhover(): void {
+        if (this.hovered < 0) return;
+        this.hovered = -1;
+        this.show();
     }
 
     select(place: number, adding: boolean): void {
@@ -149,7 +156,9 @@ export class Editing {
         const drag = this.drag;
         if (!drag) return;
         this.end();
-        if (drag.moved) void this.apply(drag.tilting);
+        if (!drag.moved) return;
+        if (this.isStill(drag.tilting)) void this.session.send({ do: "release" });
+        else void this.apply(drag.tilting);
     }
 
     /** Ends the drag; nothing stays. */
@@ -164,7 +173,7 @@ export class Editing {
 
     /** Moves the selection by what the fields say, or tilts it. */
     async apply(tilting: boolean): Promise<void> {
-        const edit = this.edit(tilting);
+        const edit = this.isStill(tilting) ? null : this.edit(tilting);
         this.resetFields();
         if (edit) await this.session.edit(edit);
     }
@@ -189,42 +198,33 @@ export class Editing {
         if (this.drag) this.preview();
     }
 
+    private isStill(tilting: boolean): boolean {
+        const { slope, delta } = this.store.state;
+        return (tilting ? slope : delta).every((d) => d === 0);
+    }
+
     private edit(tilting: boolean): Edit | null {
         const { selection, netLevel, delta, slope, falloff, radius, profile } = this.store.state;
         const points = [...selection].sort((a, b) => a - b);
-        const still = tilting ? slope.every((s) => s === 0) : delta.every((d) => d === 0);
-        if (points.length === 0 || still) return null;
+        if (points.length === 0) return null;
         const around: { falloff?: Falloff } = falloff ? { falloff: { radius, profile } } : {};
         if (tilting) return { do: "tilt", level: netLevel, points, slope, ...around };
         return { do: "move", level: netLevel, points, delta: this.onlyUp ? delta[2] : delta, ...around };
     }
 
-    /** At most one drag a frame, and never more than one that is not answered. */
+    /** Shows the drag here and asks the server to show it. */
     private preview(): void {
         const drag = this.drag;
         if (!drag) return;
         const { delta } = this.store.state;
         this.gizmo.show(drag.start.map((s, i) => s + (drag.tilting ? 0 : delta[i])) as Vector3, this.gizmoKind());
-        const first = this.wanted === null;
-        this.wanted = this.edit(drag.tilting);
-        if (first && this.wanted) requestAnimationFrame(() => this.sendDrag());
-    }
-
-    private sendDrag(): void {
-        const wanted = this.wanted;
-        if (!wanted || !this.drag || !this.dragAnswered) return;
-        this.wanted = null;
-        this.dragAnswered = false;
-        const { do: of, ...members } = wanted;
-        void this.session.send({ do: "drag", of, ...members }).then(() => {
-            this.dragAnswered = true;
-            if (this.wanted) requestAnimationFrame(() => this.sendDrag());
-        });
+        const edit = this.edit(drag.tilting);
+        if (edit) this.drags.offer(edit);
     }
 
     private end(): void {
         this.drag = null;
-        this.wanted = null;
+        this.drags.drop();
         this.gizmo.release();
     }
 

@@ -1,4 +1,7 @@
-import "./style.css";
+import "./style/base.css";
+import "./style/viewport.css";
+import "./style/panel.css";
+import "./style/overlays.css";
 import { Actions } from "./actions";
 import { Appearance } from "./appearance";
 import { axesCross } from "./axes";

@@ -1,6 +1,7 @@
 // Saves what is seen as a PNG, with the legend.
 
 import type { Scale } from "./appearance";
+import { saveBlob } from "./dom";
 import { drawLegend, legendHeight, legendWidth } from "./legend";
 import type { Hello } from "./protocol";
 import type { Viewport } from "./viewport";
@@ -26,11 +27,6 @@ export function savePicture(viewport: Viewport, scale: Scale | null, hello: Hell
         drawLegend(context, scale, { text: style.getPropertyValue("--text").trim(), font: "system-ui, sans-serif" });
     }
     canvas.toBlob((blob) => {
-        if (!blob) return;
-        const link = document.createElement("a");
-        link.href = URL.createObjectURL(blob);
-        link.download = `${(hello?.name ?? "surface").replace(/\.[^.]*$/, "")}.png`;
-        link.click();
-        setTimeout(() => URL.revokeObjectURL(link.href), 60000);
+        if (blob) saveBlob(blob, `${(hello?.name ?? "surface").replace(/\.[^.]*$/, "")}.png`);
     }, "image/png");
 }

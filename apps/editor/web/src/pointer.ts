@@ -36,7 +36,7 @@ export class Pointer {
         canvas.addEventListener("pointermove", (event) => this.move(event));
         canvas.addEventListener("pointerup", (event) => this.up(event));
         canvas.addEventListener("pointercancel", () => this.cancel());
-        canvas.addEventListener("pointerleave", () => this.tell(null));
+        canvas.addEventListener("pointerleave", () => this.leave());
         canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
         canvas.addEventListener("dblclick", (event) => this.lookAt(this.at(event)));
         canvas.addEventListener("contextmenu", (event) => event.preventDefault());
@@ -73,6 +73,11 @@ export class Pointer {
         for (const call of this.watchers) call(pointer);
     }
 
+    private leave(): void {
+        this.editing.unhover();
+        this.tell(null);
+    }
+
     private down(event: PointerEvent): void {
         const pointer = this.at(event);
         this.viewport.canvas.setPointerCapture(event.pointerId);
@@ -92,6 +97,7 @@ export class Pointer {
     }
 
     private press(pointer: Point2, shift: boolean): void {
+        this.editing.unhover();
         if (this.store.state.boxSelecting) {
             this.mode = "box";
             return;

@@ -3,6 +3,7 @@
 import { Connection, failureOf, Refusal } from "./connection";
 import type { ControlNet } from "./control_net";
 import type { Drape } from "./drape";
+import { saveBlob } from "./dom";
 import { roundUp } from "./format";
 import { FrameError, type Frame } from "./frame";
 import { MeshSurface } from "./mesh_surface";
@@ -12,6 +13,7 @@ import type {
     Answer, Changed, CompressAnswer, Edit, ErrorsAnswer, Extra, Hello, SaveAnswer, ServerEvent,
 } from "./protocol";
 import { netWindow, windowLeft, type NetWindow } from "./net_window";
+import type { ExportFormat } from "./panel/file_section";
 import type { Shape } from "./shape";
 import type { Store, State } from "./store";
 import type { SurfaceMaterial } from "./surface_material";
@@ -81,12 +83,18 @@ export class Session {
     private errorsBusy = false;
     private errorsAgain = false;
     private lastCompress = 0;
-    private opening = 0;
+    /** The question whose progress the status bar shows. */
+    private inProgress = 0;
+    /** Requests over HTTP that are not answered. */
+    private transfers = 0;
 
     constructor(address: string, private readonly parts: Parts) {
         this.connection = new Connection(address, {
             event: (event) => this.event(event),
             frame: (frame) => this.frame(frame),
+            answered: (id) => {
+                if (id === this.inProgress) parts.store.set({ busy: "" });
+            },
             closed: () => this.closed(),
             broken: (message) => parts.messages.error(message),
         });
@@ -99,7 +107,7 @@ export class Session {
     }
 
     get pending(): number {
-        return this.connection.pending + this.opening;
+        return this.connection.pending + this.transfers;
     }
 
     /** Calls whenever vertices or control points have come. */
@@ -138,26 +146,43 @@ export class Session {
     async open(file: File): Promise<void> {
         const { store, messages } = this.parts;
         store.set({ busy: `Opening ${file.name} \u2026` });
-        ++this.opening;
+        ++this.transfers;
         try {
             const response = await fetch(`open?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });
             if (!response.ok) throw new Refusal(await failureOf(response));
             messages.clear();
         } catch (reason) {
-            this.failed(reason instanceof Refusal ? reason : new Refusal({ code: "closed", message: String(reason) }));
+            this.failed(reason);
         }
-        --this.opening;
+        --this.transfers;
         store.set({ busy: "" });
     }
 
     async drape(file: File): Promise<void> {
-        ++this.opening;
+        ++this.transfers;
         try {
             await this.parts.drape.load(file);
         } catch (reason) {
             this.failed(reason);
         }
-        --this.opening;
+        --this.transfers;
+    }
+
+    /** Saves the surface in another format through the browser. */
+    async download(format: ExportFormat): Promise<void> {
+        const { store } = this.parts;
+        store.set({ busy: "Exporting \u2026" });
+        ++this.transfers;
+        try {
+            const response = await fetch(`export?format=${format}`);
+            if (!response.ok) throw new Refusal(await failureOf(response));
+            const stem = (store.state.hello?.name ?? "surface").replace(/\.[^.]*$/, "");
+            saveBlob(await response.blob(), `${stem}.${format === "script" ? "json" : format}`);
+        } catch (reason) {
+            this.failed(reason);
+        }
+        --this.transfers;
+        store.set({ busy: "" });
     }
 
     /** Encodes at the bound of the state; of several in a row only the last one counts. */
@@ -198,6 +223,7 @@ export class Session {
                 this.changed(event);
                 break;
             case "progress":
+                this.inProgress = event.id;
                 store.set({ busy: `Working \u2026 ${Math.round(100 * event.fraction)} %` });
                 break;
             case "notice":

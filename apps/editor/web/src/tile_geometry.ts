@@ -198,9 +198,9 @@ export function patchTile(tile: Tile, frame: Frame): void {
     const value = optionalArray(frame, "error", "f32", 1, samples) ?? optionalArray(frame, "curvature", "f32", 1, samples);
     for (let i = 0; i < samples; ++i) {
         const sample = (row + Math.floor(i / cols)) * tile.cols + col + (i % cols);
-        if (tile.valid && !tile.valid[sample]) continue;
-        if (height) tile.position[3 * sample + 2] = height[i];
-        if (points) tile.position.set(points.subarray(3 * i, 3 * i + 3), 3 * sample);
+        if (height && Number.isFinite(height[i])) tile.position[3 * sample + 2] = height[i];
+        const point = points?.subarray(3 * i, 3 * i + 3);
+        if (point?.every(Number.isFinite)) tile.position.set(point, 3 * sample);
         if (normal) tile.normal.set(normal.subarray(4 * i, 4 * i + 4), 4 * sample);
         if (value && tile.value) tile.value[sample] = value[i];
     }

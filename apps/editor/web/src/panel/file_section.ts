@@ -39,7 +39,7 @@ function chooser(accept: string, label: string, chosen: (file: File) => void): H
 export function fileSection({ store, actions }: Panel): HTMLElement {
     const name = el("p", { class: "name" });
     const about = el("p", { class: "dim" });
-    const openInput = chooser("", "File to open", (file) => actions.openFile(file));
+    const openInput = chooser("", "File to open", (file) => void actions.openFile(file));
     const drapeInput = chooser("image/*,.tif,.tiff", "Image to drape", (file) => actions.drapeFile(file));
     openInput.id = "open-file";
     drapeInput.id = "drape-file";
