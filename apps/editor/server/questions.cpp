@@ -144,10 +144,10 @@ Result<std::vector<Bytes>> Conversation::everything(Page& page, const Stamp& sta
 
 Result<std::vector<edit::TileName>> Conversation::tile_names(const Json& body) const {
     const auto& tiles = session_.description().tiles;
-    if (!tiles) return Error{ErrorCode::InvalidArgument, "only rasters have tiles", ""};
     const Json list = body.value("tiles", Json());
     if (!list.is_array() || list.size() > kMostTiles)
         return wrong("tiles", "is not a list of at most 1024 tiles");
+    if (!tiles && !list.empty()) return wrong("tiles", "are asked for, but only rasters have them");
     std::vector<edit::TileName> names;
     for (const Json& item : list) {
         RELIEF_TRY(const auto place, whole_numbers<3>(item, "tiles"));
