@@ -278,6 +278,10 @@ TEST_F(ConversationTest, CompressesUnlessItIsNoLongerWanted) {
     EXPECT_GT(result["bytes"], 0);
     ok(kWriter, R"({"id": 3, "ask": "view", "level": 0, "show": "compressed"})");
     EXPECT_LE(ok(kWriter, R"({"id": 4, "ask": "errors"})")["max_error"], 0.5);
+    const auto file = talk->export_as("relief", path("."), {});
+    ASSERT_TRUE(file.ok()) << file.error().text();
+    EXPECT_EQ(*file, path("./hills-compressed.relief"));
+    EXPECT_EQ(result["bytes"], io::read_file(*file)->size());
     talk->receive(kWriter, read_request(R"({"id": 5, "ask": "compress", "max_error": 0.1})"),
                   [] { return false; });
     EXPECT_EQ(mail.text(kWriter)["error"]["code"], "cancelled");

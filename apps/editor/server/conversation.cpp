@@ -73,6 +73,7 @@ void Conversation::leave(PageId page) {
 Status Conversation::replace(Document document) {
     RELIEF_TRY(session_, open_session(document));
     document_ = std::move(document);
+    compressed_.reset();
     drape_.clear();
     for (auto& [id, page] : pages_) {
         page = {};

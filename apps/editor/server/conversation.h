@@ -43,7 +43,7 @@ class Conversation {
     /// Another file takes the place of this one. On an error it stays.
     Status replace(Document document);
 
-    /// Writes what is shown as "relief", "script", "tif", "glb", "obj" or "ply" into a folder;
+    /// Writes what the writer is shown as "relief", "script", "tif", "glb", "obj" or "ply" into a folder;
     /// returns the path, whose name suits a download. Errors: InvalidArgument for other formats and
     /// those that the kind does not have.
     [[nodiscard]] Result<std::string> export_as(const std::string& format,
@@ -102,6 +102,7 @@ class Conversation {
     Outbox* outbox_;
     std::map<PageId, Page> pages_;
     std::optional<PageId> writer_;
+    std::shared_ptr<const ByteSource> compressed_;  ///< the file of the last compression
     Bytes drape_;
 };
 

@@ -9,12 +9,26 @@ namespace relief::editor {
 
 namespace {
 
+using Show = edit::View::Show;
+
 /// Graphics cards take textures of this size everywhere.
 constexpr int kLargestDrape = 4096;
 
 Status write_text(const std::string& path, const std::string& text) {
     const auto* first = reinterpret_cast<const std::uint8_t*>(text.data());
     return io::write_file_atomically(path, {first, text.size()});
+}
+
+const char* suffix_of(Show show) {
+    switch (show) {
+        case Show::Edited:
+            return "-edited";
+        case Show::Original:
+            return "";
+        case Show::Compressed:
+            return "-compressed";
+    }
+    return "";
 }
 
 bool is_known(const std::string& format, edit::Kind kind) {
@@ -25,14 +39,21 @@ bool is_known(const std::string& format, edit::Kind kind) {
 }  // namespace
 
 Result<Bytes> Conversation::shown_file() const {
-    if (session_.view().show != edit::View::Show::Original) return session_.file();
-    Bytes bytes(document_.file->size());
-    RELIEF_CHECK(document_.file->read(0, bytes));
+    const Show show = session_.view().show;
+    if (show == Show::Edited) return session_.file();
+    const auto& file = show == Show::Original ? document_.file : compressed_;
+    if (!file)
+        return Error{ErrorCode::Unsupported, "there is no file of the compressed surface", ""};
+    Bytes bytes(file->size());
+    RELIEF_CHECK(file->read(0, bytes));
     return bytes;
 }
 
 Result<std::string> Conversation::export_as(const std::string& format, const std::string& folder,
                                             const FileAccess& files) {
+    if (writer_) {
+        RELIEF_CHECK(adopt(pages_.at(*writer_)));
+    }
     const std::string stem = folder + "/" + std::filesystem::path(document_.name).stem().string();
     if (format == "script") {
         const std::string script = stem + "-script.json";
@@ -43,10 +64,11 @@ Result<std::string> Conversation::export_as(const std::string& format, const std
         return Error{ErrorCode::InvalidArgument,
                      "this kind of surface can not be exported as \"" + format + "\"", ""};
     RELIEF_TRY(const Bytes bytes, shown_file());
-    const std::string relief = stem + "-edited.relief";
+    const std::string name = stem + suffix_of(session_.view().show);
+    const std::string relief = name + ".relief";
     RELIEF_CHECK(io::write_file_atomically(relief, bytes));
     if (format == "relief") return relief;
-    const std::string out = stem + "-edited." + format;
+    const std::string out = name + "." + format;
     RELIEF_CHECK(files.decode(relief, session_.view().level, out));
     return out;
 }

@@ -238,6 +238,7 @@ Status Conversation::compress(PageId page, const Request& request, const Wanted&
         return wanted();
     };
     RELIEF_TRY(const edit::Compression result, session_.compress(max_error, progress));
+    compressed_ = result.file;
     say_ok(page, request.id,
            {{"bytes", result.bytes},
             {"kept", result.kept},
