@@ -113,16 +113,12 @@ Dataset canvas_over(const Raster& terrain, const Extent& size) {
 }
 
 Dataset warped(GDALDatasetH picture, const Raster& terrain, int largest) {
-    // As many pixels as the picture has over the raster, or as the raster has samples if these are
-    // more, would do; the picture's own number is enough for both.
-    const std::int64_t most = std::max(GDALGetRasterXSize(picture), GDALGetRasterYSize(picture));
+    // As many pixels a cell as the picture could have if it were not larger than the raster.
+    const std::int64_t pixels = std::max(GDALGetRasterXSize(picture), GDALGetRasterYSize(picture));
     const std::int64_t samples = std::max(terrain.cols, terrain.rows);
-    const double finer = std::max(1.0, static_cast<double>(most) / static_cast<double>(samples));
-    const auto pixels = [&](std::int64_t n) {
-        return static_cast<std::int64_t>(static_cast<double>(n) * finer);
-    };
+    const std::int64_t finer = std::max<std::int64_t>(1, (pixels + samples - 1) / samples);
     Dataset canvas =
-        canvas_over(terrain, limited(pixels(terrain.cols), pixels(terrain.rows), largest));
+        canvas_over(terrain, limited(terrain.cols * finer, terrain.rows * finer, largest));
     if (!canvas) return canvas;
     const Words words({"-r", "bilinear", "-srcalpha"});
     const std::unique_ptr<GDALWarpAppOptions, decltype(&GDALWarpAppOptionsFree)> options(

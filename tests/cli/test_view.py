@@ -431,6 +431,20 @@ class View(Case):
             file.write(b"RELIEF\x89" + b"x" * 50)
         self.refuse(1, "view", self.path("bad.relief"), "--no-browser", says="bad.relief")
 
+    def test_a_page_that_does_not_read_is_dropped(self):
+        server = self.serve(self.dem())
+        page = self.page(server)
+        page.ask("view", level=0)
+        for number in range(100, 103):  # 200 MB each
+            page.socket.send({"id": number, "ask": "tiles", "tiles": [[0, 0, 0]] * 1024})
+        other = self.page(server)
+        self.assertFalse(other.hello["writer"])
+        other.ask("at", x=0, y=0)  # comes after all of it
+        with open(f"/proc/{server.process.pid}/status", encoding="ascii") as status:
+            resident = int(re.search(r"VmHWM:\s+(\d+) kB", status.read())[1])
+        self.assertLess(resident, 600_000)
+        self.assertTrue(self.page(server).hello["writer"])
+
     # Nonsense
 
     def test_malformed_messages(self):
