@@ -1,5 +1,8 @@
 #include "conversation.h"
 
+#include <new>
+#include <utility>
+
 #include "events.h"
 #include "wire.h"
 
@@ -91,9 +94,17 @@ void Conversation::receive(PageId page, const Result<Request>& request, const Wa
     if (writes && page != writer_)
         return say_error(page, request->id,
                          error_json("read_only", "another page edits this file; this one watches"));
-    if (request->command) return command(page, *request);
-    const Status status = question(page, *request, wanted);
-    if (!status.ok()) say_error(page, request->id, error_json(status.error()));
+    try {
+        work(page, *request, wanted);
+    } catch (const std::bad_alloc&) {
+        say_error(page, request->id, error_json(no_memory()));
+    }
+}
+
+void Conversation::work(PageId page, const Request& request, const Wanted& wanted) {
+    if (request.command) return command(page, request);
+    const Status status = question(page, request, wanted);
+    if (!status.ok()) say_error(page, request.id, error_json(status.error()));
 }
 
 Status Conversation::adopt(const Page& page) {
@@ -145,10 +156,14 @@ void Conversation::refresh() {
 }
 
 void Conversation::refresh(PageId id, Page& page) {
-    const Status adopted = adopt(page);
-    auto messages = adopted.ok() ? everything(page, {0, session_.revision()}) : adopted.error();
-    if (!messages.ok()) return say(id, notice_event(messages.error().text()));
-    for (Bytes& message : *messages) outbox_->send(id, std::move(message));
+    try {
+        const Status adopted = adopt(page);
+        auto messages = adopted.ok() ? everything(page, {0, session_.revision()}) : adopted.error();
+        if (!messages.ok()) return say(id, notice_event(messages.error().text()));
+        for (Bytes& message : *messages) outbox_->send(id, std::move(message));
+    } catch (const std::bad_alloc&) {
+        say(id, notice_event(no_memory().text()));
+    }
 }
 
 }  // namespace relief::editor

@@ -43,9 +43,9 @@ class Conversation {
     /// Another file takes the place of this one. On an error it stays.
     Status replace(Document document);
 
-    /// Writes what the writer is shown as "relief", "script", "tif", "glb", "obj" or "ply" into a folder;
-    /// returns the path, whose name suits a download. Errors: InvalidArgument for other formats and
-    /// those that the kind does not have.
+    /// Writes what the writer is shown as "relief", "script", "tif", "glb", "obj" or "ply" into a
+    /// folder; returns the path, whose name suits a download. Errors: InvalidArgument for other
+    /// formats and those that the kind does not have.
     [[nodiscard]] Result<std::string> export_as(const std::string& format,
                                                 const std::string& folder, const FileAccess& files);
 
@@ -77,6 +77,7 @@ class Conversation {
 
     /// The session works for this page from now on.
     Status adopt(const Page& page);
+    void work(PageId page, const Request& request, const Wanted& wanted);
     void command(PageId page, const Request& request);
     void tell_change(PageId page, const edit::Change& change, std::uint64_t id);
     void send_change(PageId page, const edit::Change& change, const Stamp& stamp);

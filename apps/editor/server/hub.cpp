@@ -33,10 +33,6 @@ Error without_folder(Error error, const std::string& path) {
     return error;
 }
 
-Error no_memory() {
-    return {ErrorCode::BadInput, "not enough memory for that", ""};
-}
-
 }  // namespace
 
 Hub::Hub(FileAccess files, std::string token)
@@ -127,11 +123,7 @@ void Hub::receive(PageId page, const std::string& text) {
     auto request = std::make_shared<Result<Request>>(read_request(text));
     if (request->ok() && (*request)->overtakes()) worker_->cancel();
     worker_->post([this, page, request](const Wanted& wanted) {
-        try {
-            conversation_->receive(page, *request, wanted);
-        } catch (const std::bad_alloc&) {
-            conversation_->receive(page, no_memory(), wanted);
-        }
+        conversation_->receive(page, *request, wanted);
         asio::post(network_, [this, page] {
             if (const auto found = sockets_.find(page); found != sockets_.end())
                 found->second->answered();

@@ -68,6 +68,10 @@ Json error_json(const char* code, std::string message) {
     return {{"code", code}, {"message", std::move(message)}, {"where", ""}};
 }
 
+Error no_memory() {
+    return {ErrorCode::BadInput, "there is not enough memory for that", ""};
+}
+
 std::string text_of(const Json& json) {
     return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

@@ -31,6 +31,9 @@ struct Request {
 /// The same for what the error codes do not say.
 [[nodiscard]] Json error_json(const char* code, std::string message);
 
+/// What becomes of std::bad_alloc.
+[[nodiscard]] Error no_memory();
+
 /// One line of text; what is not UTF-8 is replaced.
 [[nodiscard]] std::string text_of(const Json& json);
 
