@@ -51,18 +51,23 @@ Result<Bytes> mesh_bytes(const std::string& path, const Progress& progress,
     RELIEF_TRY(const PolygonMesh mesh, read_polygons(path));
     auto encoded = codec::encode_mesh(mesh, {.goal = kLossless, .progress = progress});
     if (!encoded.ok()) return located(encoded.error(), path);
-    if (encoded->report.levels == 0)
-        notices.emplace_back(
-            "this mesh is no subdivision of a coarser one: it has one level, and its vertices are "
-            "its control points");
+    if (encoded->report.lost_creases > 0)
+        notices.push_back(
+            fmt::format("{} sharp edges are no part of sharp edges of the coarser "
+                        "meshes; they stay sharp at the finest level only",
+                        encoded->report.lost_creases));
     return std::move(encoded->bytes);
 }
 
-Result<Bytes> point_bytes(const std::string& path, const Progress& progress) {
+Result<Bytes> point_bytes(const std::string& path, const Progress& progress,
+                          std::vector<std::string>& notices) {
     RELIEF_TRY(const io::PointSet points, io::read_points(path));
     auto encoded = codec::encode_points({points.places, points.values, points.weights},
                                         codec::Interpolation{}, {}, progress);
     if (!encoded.ok()) return located(encoded.error(), path);
+    if (encoded->merged > 0)
+        notices.push_back(fmt::format(
+            "{} points lie where others do: the surface passes through the mean", encoded->merged));
     return std::move(encoded->bytes);
 }
 
@@ -72,7 +77,7 @@ Result<std::shared_ptr<const ByteSource>> relief_of(const std::string& path,
     const io::FileKind kind = io::recognise(path);
     if (kind == io::FileKind::Relief) return io::open_source(path);
     auto bytes = kind == io::FileKind::Mesh     ? mesh_bytes(path, progress, notices)
-                 : kind == io::FileKind::Points ? point_bytes(path, progress)
+                 : kind == io::FileKind::Points ? point_bytes(path, progress, notices)
                                                 : raster_bytes(path, progress);
     if (!bytes.ok()) return bytes.error();
     return std::shared_ptr<const ByteSource>(std::make_shared<MemorySource>(*std::move(bytes)));
