@@ -32,6 +32,7 @@ struct Outcome {
     Json json = Json::object();
     std::string text;
     bool text_is_data = false;
+    bool said = false;  ///< the verb printed it already, while it ran
 };
 
 using Run = std::function<Result<Outcome>()>;
@@ -59,6 +60,7 @@ void add_render(Program& program);
 void add_sample(Program& program);
 void add_subdivide(Program& program);
 void add_fit(Program& program);
+void add_view(Program& program);
 
 /// A bar on standard error, on a terminal only, unless quiet; cancels on Ctrl-C.
 [[nodiscard]] Progress progress_bar(const Globals& globals, std::string what);

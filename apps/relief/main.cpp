@@ -33,6 +33,7 @@ int fail(int status, const std::string& who, std::string message) {
 }
 
 bool print(const Program& program, const Outcome& outcome) {
+    if (outcome.said) return true;
     if (program.globals.json)
         return put(
             stdout,
@@ -82,6 +83,9 @@ int main(int argc, char** argv) {
     relief::cli::add_sample(program);
     relief::cli::add_subdivide(program);
     relief::cli::add_fit(program);
+#if RELIEF_HAS_EDITOR
+    relief::cli::add_view(program);
+#endif
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& success) {

@@ -411,13 +411,14 @@ Result<Compression> RasterModel::compress(double max_error, const Progress& prog
     options.profile = codec::Profile::Fast;
     options.progress = progress;
     RELIEF_TRY(codec::EncodedRaster encoded, codec::encode_raster(raster, options));
-    RELIEF_TRY(codec::RasterFile file, codec::RasterFile::open(std::move(encoded.bytes)));
+    const auto bytes = std::make_shared<MemorySource>(std::move(encoded.bytes));
+    RELIEF_TRY(codec::RasterFile file, codec::RasterFile::open(bytes));
     cache_.clear();
     compressed_ = std::make_unique<codec::RasterFile>(std::move(file));
     compressed_surfaces_ = std::make_unique<OriginalSurfaces>(*compressed_);
     const codec::EncodeReport& report = encoded.report;
-    return Compression{report.bytes, report.kept, report.coefficients, report.max_error,
-                       report.rms_error};
+    return Compression{report.bytes,     report.kept,      report.coefficients,
+                       report.max_error, report.rms_error, bytes};
 }
 
 }  // namespace relief::edit

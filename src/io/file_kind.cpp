@@ -29,12 +29,21 @@ FileKind by_content(std::string_view head) {
     return FileKind::Unknown;
 }
 
-bool is_gdal_raster(const std::string& path) {
+/// The driver that would open it; null: none.
+GDALDriverH raster_driver(const std::string& path) {
     const detail::GdalScope gdal;
-    return GDALIdentifyDriverEx(path.c_str(), GDAL_OF_RASTER, nullptr, nullptr) != nullptr;
+    return GDALIdentifyDriverEx(path.c_str(), GDAL_OF_RASTER, nullptr, nullptr);
 }
 
 }  // namespace
+
+bool is_self_contained(const std::string& path) {
+    GDALDriverH driver = raster_driver(path);
+    return driver && is_one_of(GDALGetDriverShortName(driver),
+                               {"GTiff", "PNG", "JPEG", "WEBP", "BMP", "GIF", "JP2OpenJPEG",
+                                "AAIGrid", "GRASSASCIIGrid", "SRTMHGT", "netCDF", "GRIB", "DTED",
+                                "USGSDEM", "GSAG", "GSBG", "GS7BG", "BT"});
+}
 
 bool names_mesh(const std::string& path) {
     return is_one_of(detail::extension_of(path), {".obj", ".off", ".ply", ".stl", ".glb"});
@@ -52,7 +61,7 @@ FileKind recognise(const std::string& path) {
         if (names_mesh(path)) return FileKind::Mesh;
         if (names_points(path)) return FileKind::Points;
     }
-    return is_gdal_raster(path) ? FileKind::Raster : FileKind::Unknown;
+    return raster_driver(path) != nullptr ? FileKind::Raster : FileKind::Unknown;
 }
 
 }  // namespace relief::io

@@ -21,7 +21,7 @@ struct PngImage : png_image {
 
 }  // namespace
 
-Status write_png(const std::string& path, const Image& image) {
+Result<Bytes> encode_png(const Image& image, PngEffort effort) {
     const bool channels_ok = image.channels == 3 || image.channels == 4;
     if (image.width < 1 || image.height < 1 || !channels_ok ||
         static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height) >
@@ -31,20 +31,28 @@ Status write_png(const std::string& path, const Image& image) {
             fmt::format("an image of {} x {} pixels with {} channels can not be written as PNG; "
                         "use 3 or 4 channels and at most 2^28 pixels",
                         image.width, image.height, image.channels),
-            path};
+            ""};
     PngImage png;
     png.width = static_cast<png_uint_32>(image.width);
     png.height = static_cast<png_uint_32>(image.height);
     png.format = image.channels == 4 ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB;
+    if (effort == PngEffort::Fast) png.flags |= PNG_IMAGE_FLAG_FAST;
     if (image.pixels.size() != PNG_IMAGE_SIZE(png))
         return Error{ErrorCode::InvalidArgument, "the image has fewer or more bytes than pixels",
-                     path};
+                     ""};
 
-    std::vector<std::uint8_t> bytes(PNG_IMAGE_PNG_SIZE_MAX(png));
+    Bytes bytes(PNG_IMAGE_PNG_SIZE_MAX(png));
     png_alloc_size_t size = bytes.size();
     if (!png_image_write_to_memory(&png, bytes.data(), &size, 0, image.pixels.data(), 0, nullptr))
-        return Error{ErrorCode::CannotWrite, fmt::format("PNG: {}", png.message), path};
-    return write_file_atomically(path, {bytes.data(), size});
+        return Error{ErrorCode::CannotWrite, fmt::format("PNG: {}", png.message), ""};
+    bytes.resize(size);
+    return bytes;
+}
+
+Status write_png(const std::string& path, const Image& image) {
+    const auto bytes = encode_png(image);
+    if (!bytes.ok()) return Error{bytes.error().code, bytes.error().message, path};
+    return write_file_atomically(path, *bytes);
 }
 
 Result<Image> read_png(const std::string& path) {

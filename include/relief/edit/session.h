@@ -98,6 +98,7 @@ struct Compression {
     std::int64_t coefficients = 0;
     double max_error = 0;
     double rms_error = 0;
+    std::shared_ptr<const ByteSource> file = {};  ///< what View::Show::Compressed shows
 };
 
 struct Probe {

@@ -13,6 +13,10 @@ enum class FileKind : std::uint8_t { Relief, Raster, Mesh, Points, Unknown };
 /// Never writes or prints.
 [[nodiscard]] FileKind recognise(const std::string& path);
 
+/// Whether a raster is of a format that keeps everything in the file itself. Others can name files
+/// and addresses that are then read too.
+[[nodiscard]] bool is_self_contained(const std::string& path);
+
 /// Whether a file of this name is to be a mesh: .obj .off .ply .stl .glb.
 [[nodiscard]] bool names_mesh(const std::string& path);
 /// Whether a file of this name is to hold points: .xyz .csv .txt.
