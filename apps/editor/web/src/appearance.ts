@@ -70,8 +70,10 @@ export class Appearance {
         private readonly net: ControlNet,
         private readonly drape: Drape,
     ) {
-        const keys = ["hello", "bounds", "level", "colouring", "errors", "surface", "wireframe", "exaggeration", "drape"] as const;
+        const keys = ["hello", "level", "colouring", "errors", "surface", "wireframe", "exaggeration", "drape"] as const;
         store.watch(keys, () => this.apply());
+        // Colours do not change under a point that is being dragged.
+        store.watch(["bounds", "dragging"], ({ dragging }) => { if (!dragging) this.colour(); });
         session.onGeometry(() => {
             if (store.state.colouring === "curvature" || store.state.colouring === "error") this.colour();
             this.edges();
@@ -106,6 +108,7 @@ export class Appearance {
         this.scale = scale;
         this.material.setColouring(scale?.quantity ?? "height", scale?.map ?? null, scale?.low ?? 0, scale?.high ?? 1);
         for (const call of this.watchers) call(scale);
+        this.viewport.invalidate();
     }
 
     private edges(): void {

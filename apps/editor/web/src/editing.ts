@@ -136,6 +136,7 @@ export class Editing {
         if (!this.canEdit || !start) return false;
         this.gizmo.grab(handle, pointer, place >= 0 ? this.net.pointAt(place) : start);
         this.drag = { tilting: handle.startsWith("tilt"), start, moved: false };
+        this.store.set({ dragging: true });
         if (this.store.state.shown !== "edited") this.store.set({ shown: "edited" });
         return true;
     }
@@ -226,6 +227,7 @@ export class Editing {
         this.drag = null;
         this.drags.drop();
         this.gizmo.release();
+        this.store.set({ dragging: false });
     }
 
     private netArrived(): void {

@@ -45,7 +45,7 @@ export function drawLegend(context: CanvasRenderingContext2D, scale: Scale, ink:
         const x = margin + (width * (value - low)) / (high - low || 1);
         context.fillRect(Math.round(x), barTop + barHeight, 1, 4);
         const half = context.measureText(texts[i]).width / 2;
-        const middle = Math.min(legendWidth - half - 2, Math.max(half + 2, x));
+        const middle = Math.min(legendWidth - half - 8, Math.max(half + 8, x));
         if (middle - half < free) return;
         context.fillText(texts[i], middle - half, barTop + barHeight + 16);
         free = middle + half + 8;

@@ -30,7 +30,7 @@ export interface Parts {
 }
 
 /** Nets of more points are not chosen by themselves. */
-const handyNet = 4000;
+const handyNet = 1600;
 
 /** The exaggeration that makes heights a tenth to a half of the width, or 1 if they are: a round number. */
 function handyExaggeration(hello: Hello): number {
@@ -61,11 +61,12 @@ function startState(hello: Hello): Partial<State> {
         drape: "none",
         tool: "move",
         boxSelecting: false,
+        dragging: false,
         selection: new Set(),
         step: roundUp(height / 200),
         delta: [0, 0, 0],
         slope: [0, 0],
-        bound: hello.bound ?? roundUp(height / 2000),
+        bound: hello.bound || roundUp(height / 2000),
         compressed: null,
         errors: null,
         busy: "",

@@ -27,6 +27,7 @@ export interface State {
 
     tool: Tool;
     boxSelecting: boolean;
+    dragging: boolean;
     selection: ReadonlySet<number>;
     falloff: boolean;
     radius: number;
@@ -60,6 +61,7 @@ export const initialState: State = {
     drape: "none",
     tool: "move",
     boxSelecting: false,
+    dragging: false,
     selection: new Set(),
     falloff: false,
     radius: 1,

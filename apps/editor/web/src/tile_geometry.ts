@@ -17,6 +17,8 @@ export interface Tile {
     valid: Uint8Array | null;
     /** For each vertex of a skirt the sample above it. */
     skirt: Uint32Array;
+    /** 0 for vertices of skirts at the raster's own border, where they would be seen from outside; else 1. */
+    hang: Uint8Array;
     index: Uint16Array | Uint32Array;
 }
 
@@ -100,7 +102,7 @@ export function hangSkirts(tile: Tile): void {
     tile.skirt.forEach((sample, i) => {
         const vertex = below + i;
         tile.position.copyWithin(3 * vertex, 3 * sample, 3 * sample + 3);
-        tile.position[3 * vertex + 2] -= depth;
+        tile.position[3 * vertex + 2] -= depth * tile.hang[i];
         tile.normal.copyWithin(4 * vertex, 4 * sample, 4 * sample + 4);
         tile.lattice.copyWithin(2 * vertex, 2 * sample, 2 * sample + 2);
         if (tile.value) tile.value[vertex] = tile.value[sample];
@@ -122,6 +124,10 @@ export function tileIdOf(frame: Frame): TileId {
 function copied<T extends Float32Array | Int16Array>(target: T, source: T | null): T {
     if (source) target.set(source);
     return target;
+}
+
+function onBorder(raster: RasterInfo, col: number, row: number): boolean {
+    return col === 0 || row === 0 || col === raster.cols - 1 || row === raster.rows - 1;
 }
 
 /** A vertex that has no finite height stands at 0 and is not valid. */
@@ -160,6 +166,7 @@ export function buildTile(frame: Frame, raster: RasterInfo): Tile {
         normal: copied(new Int16Array(4 * vertices), requiredArray(frame, "normal", "i16", 4, samples)),
         value: value && copied(new Float32Array(vertices), value),
         skirt: Uint32Array.from(skirt),
+        hang: Uint8Array.from(skirt, (sample) => (onBorder(raster, lattice[2 * sample], lattice[2 * sample + 1]) ? 0 : 1)),
         index: vertices > 65535 ? Uint32Array.from(index) : Uint16Array.from(index),
     };
     hangSkirts(tile);

@@ -46,7 +46,11 @@ describe("a tile", () => {
         const flat = buildTile(tileFrame({}, plane), raster);
         flat.skirt.forEach((sample, i) => expect(point(flat, 25 + i)).toEqual(point(flat, sample)));
         const bent = buildTile(tileFrame({}, plane.map((z, i) => (i === 22 ? z + 8 : z))), raster);
-        bent.skirt.forEach((sample, i) => expect(point(bent, 25 + i)[2]).toBe(point(bent, sample)[2] - 24));
+        bent.skirt.forEach((sample, i) => {
+            // At the raster's own border, samples 4 and 20, skirts end in a point.
+            const depth = sample === 4 || sample === 20 ? 0 : 24;
+            expect(point(bent, 25 + i)[2]).toBe(point(bent, sample)[2] - depth);
+        });
     });
 
     it("at the end of the raster has no skirts there", () => {
