@@ -1,7 +1,14 @@
 // Applies the state and the theme to what is drawn: colours, ranges, light, lines.
 
 import { basis } from "./camera";
-import { curvatureMap, errorMap, heightMap, parseColour, slopeMap, type ColourMap } from "./colour_maps";
+import {
+    curvatureMap,
+    errorMap,
+    heightMap,
+    parseColour,
+    slopeMap,
+    type ColourMap,
+} from "./colour_maps";
 import type { ControlNet } from "./control_net";
 import type { Drape } from "./drape";
 import { roundUp } from "./format";
@@ -34,21 +41,50 @@ export function scaleOf(state: State, largestValue: number): Scale | null {
             return null;
         case "height":
             return {
-                title: "Height", unit: hello.unit, map: heightMap, quantity: "height",
-                low: bounds.min[2], high: bounds.max[2], offset: hello.origin[2],
+                title: "Height",
+                unit: hello.unit,
+                map: heightMap,
+                quantity: "height",
+                low: bounds.min[2],
+                high: bounds.max[2],
+                offset: hello.origin[2],
             };
         case "slope": {
             const high = movesOnlyUp(hello) ? 60 : 180;
-            return { title: "Slope", unit: "\u00b0", map: slopeMap, quantity: "slope", low: 0, high, offset: 0 };
+            return {
+                title: "Slope",
+                unit: "\u00b0",
+                map: slopeMap,
+                quantity: "slope",
+                low: 0,
+                high,
+                offset: 0,
+            };
         }
         case "curvature": {
             const high = roundUp(largestValue);
             const unit = hello.unit ? `1/${hello.unit}` : "";
-            return { title: "Mean curvature", unit, map: curvatureMap, quantity: "value", low: -high, high, offset: 0 };
+            return {
+                title: "Mean curvature",
+                unit,
+                map: curvatureMap,
+                quantity: "value",
+                low: -high,
+                high,
+                offset: 0,
+            };
         }
         case "error": {
             const high = roundUp(errors?.max_error || largestValue);
-            return { title: "Error", unit: hello.unit, map: errorMap, quantity: "value", low: -high, high, offset: 0 };
+            return {
+                title: "Error",
+                unit: hello.unit,
+                map: errorMap,
+                quantity: "value",
+                low: -high,
+                high,
+                offset: 0,
+            };
         }
     }
 }
@@ -70,12 +106,24 @@ export class Appearance {
         private readonly net: ControlNet,
         private readonly drape: Drape,
     ) {
-        const keys = ["hello", "level", "colouring", "errors", "surface", "wireframe", "exaggeration", "drape"] as const;
+        const keys = [
+            "hello",
+            "level",
+            "colouring",
+            "errors",
+            "surface",
+            "wireframe",
+            "exaggeration",
+            "drape",
+        ] as const;
         store.watch(keys, () => this.apply());
         // Colours do not change under a point that is being dragged.
-        store.watch(["bounds", "dragging"], ({ dragging }) => { if (!dragging) this.colour(); });
+        store.watch(["bounds", "dragging"], ({ dragging }) => {
+            if (!dragging) this.colour();
+        });
         session.onGeometry(() => {
-            if (store.state.colouring === "curvature" || store.state.colouring === "error") this.colour();
+            if (store.state.colouring === "curvature" || store.state.colouring === "error")
+                this.colour();
             this.edges();
         });
         viewport.onDraw(() => this.light());
@@ -97,7 +145,11 @@ export class Appearance {
         this.material.filled = surface;
         this.material.setDrape(drape === "shown" ? this.drape.texture : null, this.drape.rect);
         if (this.viewport.exaggeration !== exaggeration) this.viewport.exaggeration = exaggeration;
-        this.net.setColours({ point: hex("--net-point"), line: hex("--net-line"), selected: hex("--net-selected") });
+        this.net.setColours({
+            point: hex("--net-point"),
+            line: hex("--net-line"),
+            selected: hex("--net-selected"),
+        });
         this.colour();
         this.edges();
         this.viewport.invalidate();
@@ -106,7 +158,12 @@ export class Appearance {
     private colour(): void {
         const scale = scaleOf(this.store.state, this.session.shape?.largestValue() ?? 0);
         this.scale = scale;
-        this.material.setColouring(scale?.quantity ?? "height", scale?.map ?? null, scale?.low ?? 0, scale?.high ?? 1);
+        this.material.setColouring(
+            scale?.quantity ?? "height",
+            scale?.map ?? null,
+            scale?.low ?? 0,
+            scale?.high ?? 1,
+        );
         for (const call of this.watchers) call(scale);
         this.viewport.invalidate();
     }
@@ -127,7 +184,10 @@ export class Appearance {
         shape?.setEdges(wireframe, (colour[0] << 16) | (colour[1] << 8) | colour[2]);
     }
 
-    /** The sun stands still over a map; other surfaces are lit from behind the viewer's left shoulder. */
+    /**
+     * The sun stands still over a map; other surfaces are lit from behind the viewer's left
+     * shoulder.
+     */
     private light(): void {
         const { hello } = this.store.state;
         const { eye, right, up, back } = basis(this.viewport.camera);

@@ -10,7 +10,15 @@ import { MeshSurface } from "./mesh_surface";
 import type { Messages } from "./messages";
 import { movesOnlyUp } from "./protocol";
 import type {
-    Answer, Changed, CompressAnswer, Edit, ErrorsAnswer, Extra, Hello, SaveAnswer, ServerEvent,
+    Answer,
+    Changed,
+    CompressAnswer,
+    Edit,
+    ErrorsAnswer,
+    Extra,
+    Hello,
+    SaveAnswer,
+    ServerEvent,
 } from "./protocol";
 import { netWindow, windowLeft, type NetWindow } from "./net_window";
 import type { ExportFormat } from "./panel/file_section";
@@ -32,7 +40,10 @@ export interface Parts {
 /** Nets of more points are not chosen by themselves. */
 const handyNet = 1600;
 
-/** The exaggeration that makes heights a tenth to a half of the width, or 1 if they are: a round number. */
+/**
+ * The exaggeration that makes heights a tenth to a half of the width, or 1 if they are: a round
+ * number.
+ */
 function handyExaggeration(hello: Hello): number {
     const [wide, deep, high] = hello.max.map((m, i) => m - hello.min[i]);
     const ratio = high / Math.max(wide, deep);
@@ -89,7 +100,10 @@ export class Session {
     /** Requests over HTTP that are not answered. */
     private transfers = 0;
 
-    constructor(address: string, private readonly parts: Parts) {
+    constructor(
+        address: string,
+        private readonly parts: Parts,
+    ) {
         this.connection = new Connection(address, {
             event: (event) => this.event(event),
             frame: (frame) => this.frame(frame),
@@ -130,10 +144,14 @@ export class Session {
         return this.send(edit);
     }
 
-    /** Everything that was sent before is answered, and what it changed has come: an empty question comes back. */
+    /**
+     * Everything that was sent before is answered, and what it changed has come: an empty question
+     * comes back.
+     */
     async fence(): Promise<void> {
         // Kinds without tiles refuse it, which is an answer too.
-        if (this.parts.store.state.connected) await this.connection.send({ ask: "forget", tiles: [] }).catch(() => null);
+        if (this.parts.store.state.connected)
+            await this.connection.send({ ask: "forget", tiles: [] }).catch(() => null);
     }
 
     async save(): Promise<void> {
@@ -149,7 +167,10 @@ export class Session {
         store.set({ busy: `Opening ${file.name} \u2026` });
         ++this.transfers;
         try {
-            const response = await fetch(`open?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });
+            const response = await fetch(`open?name=${encodeURIComponent(file.name)}`, {
+                method: "POST",
+                body: file,
+            });
             if (!response.ok) throw new Refusal(await failureOf(response));
             messages.clear();
         } catch (reason) {
@@ -192,10 +213,14 @@ export class Session {
         const number = ++this.lastCompress;
         store.set({ busy: "Compressing \u2026" });
         try {
-            const answer = await this.connection.send<CompressAnswer>({ ask: "compress", max_error: store.state.bound });
+            const answer = await this.connection.send<CompressAnswer>({
+                ask: "compress",
+                max_error: store.state.bound,
+            });
             if (number === this.lastCompress) this.compressed(answer, show);
         } catch (reason) {
-            if (!(reason instanceof Refusal && reason.failure?.code === "cancelled")) this.failed(reason);
+            if (!(reason instanceof Refusal && reason.failure?.code === "cancelled"))
+                this.failed(reason);
         }
         if (number === this.lastCompress) store.set({ busy: "" });
     }
@@ -238,7 +263,10 @@ export class Session {
 
     private hello(hello: Hello): void {
         const { store, viewport, net, material, messages, drape } = this.parts;
-        if (hello.protocol !== 1) messages.error(`The server speaks version ${hello.protocol} of the protocol, this page 1.`);
+        if (hello.protocol !== 1)
+            messages.error(
+                `The server speaks version ${hello.protocol} of the protocol, this page 1.`,
+            );
         this.shape?.dispose();
         this.shape?.object.removeFromParent();
         this.shape = null;
@@ -262,7 +290,9 @@ export class Session {
         viewport.setBounds(changed.min, changed.max);
         store.set({
             bounds: { min: changed.min, max: changed.max },
-            revision: changed.revision, history: changed.history, compressed: null,
+            revision: changed.revision,
+            history: changed.history,
+            compressed: null,
         });
         if (store.state.shown === "compressed") store.set({ shown: "edited" });
         if (store.state.colouring === "error") void this.measureErrors();
@@ -288,7 +318,9 @@ export class Session {
 
     private closed(): void {
         this.parts.store.set({ connected: false, busy: "" });
-        this.parts.messages.error("The connection to the program is lost. Start it again, then open the address that it prints.");
+        this.parts.messages.error(
+            "The connection to the program is lost. Start it again and open the address it prints.",
+        );
     }
 
     /** Tells the server what is shown, if that has changed; one question at a time. */
@@ -297,9 +329,14 @@ export class Session {
         if (!state.hello || !state.connected || this.viewBusy) return;
         const raster = state.hello.raster !== undefined;
         const withNet = state.net && !raster;
-        const extras: Extra[] = state.colouring === "error" || state.colouring === "curvature" ? [state.colouring] : [];
+        const extras: Extra[] =
+            state.colouring === "error" || state.colouring === "curvature" ? [state.colouring] : [];
         const view = {
-            ask: "view", level: state.level, show: state.shown, with: extras, net: withNet,
+            ask: "view",
+            level: state.level,
+            show: state.shown,
+            with: extras,
+            net: withNet,
             ...(withNet ? { net_level: state.netLevel } : {}),
         };
         const key = JSON.stringify(view);
@@ -327,7 +364,11 @@ export class Session {
         }
         const info = hello.levels.find((level) => level.level === netLevel);
         this.window = netWindow(hello, info, viewport.camera.target);
-        const question = { ask: "net", level: netLevel, ...(this.window ? { window: this.window } : {}) };
+        const question = {
+            ask: "net",
+            level: netLevel,
+            ...(this.window ? { window: this.window } : {}),
+        };
         const key = JSON.stringify([question, shown]);
         if (key === this.netAsked) return;
         this.netAsked = key;
@@ -338,7 +379,8 @@ export class Session {
     private followWindow(): void {
         const { hello, net, netLevel } = this.parts.store.state;
         if (!hello || !net || !this.window) return;
-        if (windowLeft(hello, netLevel, this.window, this.parts.viewport.camera.target)) this.updateNet();
+        if (windowLeft(hello, netLevel, this.window, this.parts.viewport.camera.target))
+            this.updateNet();
     }
 
     private async measureErrors(): Promise<void> {
