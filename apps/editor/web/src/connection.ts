@@ -44,6 +44,10 @@ export class Connection {
         this.socket.addEventListener("close", () => this.close());
     }
 
+    get isClosed(): boolean {
+        return this.socket.readyState === WebSocket.CLOSED;
+    }
+
     /** Messages without answer and frames that were announced but have not come. */
     get pending(): number {
         let total = this.unanswered.size;

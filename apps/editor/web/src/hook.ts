@@ -28,7 +28,10 @@ export interface EditorHook {
     pixelOf(name: number): { x: number; y: number } | null;
     /** Pixels of the viewport where a point in page coordinates lies. */
     project(point: Vector3): { x: number; y: number };
-    /** Resolves when nothing is pending and a picture of it was drawn. */
+    /**
+     * Resolves when nothing is pending and a picture of it was drawn; rejects when the connection
+     * is closed.
+     */
     idle(): Promise<void>;
 }
 
@@ -108,6 +111,7 @@ export function installHook({ store, session, viewport, net, messages }: HookPar
             // A picture may ask for finer tiles, and an answer may ask for a picture: settled means
             // so for two frames.
             for (let quiet = 0; quiet < 2; ) {
+                if (session.isClosed) throw new Error("the connection is closed");
                 if (settled()) await session.fence();
                 await nextFrame();
                 quiet = settled() ? quiet + 1 : 0;

@@ -4,11 +4,9 @@ import { Connection, failureOf, Refusal } from "./connection";
 import type { ControlNet } from "./control_net";
 import type { Drape } from "./drape";
 import { saveBlob } from "./dom";
-import { roundUp } from "./format";
 import { FrameError, type Frame } from "./frame";
 import { MeshSurface } from "./mesh_surface";
 import type { Messages } from "./messages";
-import { movesOnlyUp } from "./protocol";
 import type {
     Answer,
     Changed,
@@ -23,7 +21,8 @@ import type {
 import { netWindow, windowLeft, type NetWindow } from "./net_window";
 import type { ExportFormat } from "./panel/file_section";
 import type { Shape } from "./shape";
-import type { Store, State } from "./store";
+import { startState } from "./start_state";
+import type { Store } from "./store";
 import type { SurfaceMaterial } from "./surface_material";
 import { Terrain } from "./terrain";
 import type { Viewport } from "./viewport";
@@ -35,53 +34,6 @@ export interface Parts {
     material: SurfaceMaterial;
     messages: Messages;
     drape: Drape;
-}
-
-/** Nets of more points are not chosen by themselves. */
-const handyNet = 1600;
-
-/**
- * The exaggeration that makes heights a tenth to a half of the width, or 1 if they are: a round
- * number.
- */
-function handyExaggeration(hello: Hello): number {
-    const [wide, deep, high] = hello.max.map((m, i) => m - hello.min[i]);
-    const ratio = high / Math.max(wide, deep);
-    if (!movesOnlyUp(hello) || !(ratio > 0)) return 1;
-    if (ratio < 0.04) return roundUp(0.05 / ratio);
-    return ratio > 0.6 ? 1 / roundUp(ratio / 0.5) : 1;
-}
-
-function startState(hello: Hello): Partial<State> {
-    const height = hello.max[2] - hello.min[2];
-    const handy = hello.levels.find((level) => level.control_points <= handyNet);
-    return {
-        hello,
-        bounds: { min: hello.min, max: hello.max },
-        connected: true,
-        revision: hello.revision,
-        history: hello.history,
-        savedAt: hello.history.done,
-        level: hello.levels[0]?.level ?? 0,
-        netLevel: (handy ?? hello.levels[hello.levels.length - 1])?.level ?? 0,
-        shown: "edited",
-        colouring: hello.kind === "raster" && !hello.parametric ? "height" : "plain",
-        surface: true,
-        net: false,
-        exaggeration: handyExaggeration(hello),
-        drape: "none",
-        tool: "move",
-        boxSelecting: false,
-        dragging: false,
-        selection: new Set(),
-        step: roundUp(height / 200),
-        delta: [0, 0, 0],
-        slope: [0, 0],
-        bound: hello.bound || roundUp(height / 2000),
-        compressed: null,
-        errors: null,
-        busy: "",
-    };
 }
 
 export class Session {
@@ -119,6 +71,10 @@ export class Session {
             this.followWindow();
             this.shape?.prepare();
         });
+    }
+
+    get isClosed(): boolean {
+        return this.connection.isClosed;
     }
 
     get pending(): number {
