@@ -32,6 +32,11 @@ export interface Scale {
 /** Light from the upper left: north-west and 45 degrees high on a map. */
 const mapSun: Vector3 = [-0.5, 0.5, Math.SQRT1_2];
 
+function aroundZero(title: string, unit: string, map: ColourMap, largest: number): Scale {
+    const high = roundUp(largest);
+    return { title, unit, map, quantity: "value", low: -high, high, offset: 0 };
+}
+
 /** The colours by value of the state, or null if the surface is plain. */
 export function scaleOf(state: State, largestValue: number): Scale | null {
     const { hello, bounds, colouring, errors } = state;
@@ -62,30 +67,11 @@ export function scaleOf(state: State, largestValue: number): Scale | null {
             };
         }
         case "curvature": {
-            const high = roundUp(largestValue);
             const unit = hello.unit ? `1/${hello.unit}` : "";
-            return {
-                title: "Mean curvature",
-                unit,
-                map: curvatureMap,
-                quantity: "value",
-                low: -high,
-                high,
-                offset: 0,
-            };
+            return aroundZero("Mean curvature", unit, curvatureMap, largestValue);
         }
-        case "error": {
-            const high = roundUp(errors?.max_error || largestValue);
-            return {
-                title: "Error",
-                unit: hello.unit,
-                map: errorMap,
-                quantity: "value",
-                low: -high,
-                high,
-                offset: 0,
-            };
-        }
+        case "error":
+            return aroundZero("Error", hello.unit, errorMap, errors?.max_error || largestValue);
     }
 }
 

@@ -53,6 +53,19 @@ function nextFrame(): Promise<void> {
     return new Promise((resolve) => requestAnimationFrame(() => resolve()));
 }
 
+/**
+ * A picture may ask for finer tiles, and an answer for a picture: idle means settled for two
+ * frames.
+ */
+async function idle(session: Session, settled: () => boolean): Promise<void> {
+    for (let quiet = 0; quiet < 2; ) {
+        if (session.isClosed) throw new Error("the connection is closed");
+        if (settled()) await session.fence();
+        await nextFrame();
+        quiet = settled() ? quiet + 1 : 0;
+    }
+}
+
 export function installHook({ store, session, viewport, net, messages }: HookParts): void {
     const settled = () => store.state.hello !== null && session.pending === 0 && viewport.drawn;
     const project = (point: Vector3) => {
@@ -107,15 +120,6 @@ export function installHook({ store, session, viewport, net, messages }: HookPar
             return place === undefined ? null : project(net.pointAt(place));
         },
         project,
-        async idle() {
-            // A picture may ask for finer tiles, and an answer may ask for a picture: settled means
-            // so for two frames.
-            for (let quiet = 0; quiet < 2; ) {
-                if (session.isClosed) throw new Error("the connection is closed");
-                if (settled()) await session.fence();
-                await nextFrame();
-                quiet = settled() ? quiet + 1 : 0;
-            }
-        },
+        idle: () => idle(session, settled),
     };
 }
