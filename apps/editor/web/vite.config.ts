@@ -1,6 +1,7 @@
 import { defineConfig } from "vite";
 
-// The server embeds the files under a path that is known only at run time: addresses are relative and names fixed.
+// The server embeds the files under a path that is known only at run time: addresses are relative
+// and names fixed.
 export default defineConfig({
     base: "./",
     // A test compares docs/editor.md with the table of shortcuts.

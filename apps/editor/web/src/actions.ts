@@ -47,8 +47,9 @@ export class Actions {
     async openFile(file: File): Promise<void> {
         const { store, session } = this.parts;
         const { history, savedAt, hello } = store.state;
-        const question = `${hello?.name} has changes that were not saved. Open ${file.name} and lose them?`;
-        if (history.done === savedAt || (await confirmed(question, "Open"))) await session.open(file);
+        const question = `${hello?.name} has unsaved changes. Open ${file.name} and lose them?`;
+        if (history.done === savedAt || (await confirmed(question, "Open")))
+            await session.open(file);
     }
 
     drapeFile(file: File): void {
@@ -64,11 +65,13 @@ export class Actions {
     }
 
     goTo(done: number): void {
-        if (done !== this.parts.store.state.history.done) void this.parts.session.send({ do: "goto", done });
+        if (done !== this.parts.store.state.history.done)
+            void this.parts.session.send({ do: "goto", done });
     }
 
     applyFields(): void {
-        if (this.parts.editing.canEdit) void this.parts.editing.apply(this.parts.store.state.tool === "tilt");
+        if (this.parts.editing.canEdit)
+            void this.parts.editing.apply(this.parts.store.state.tool === "tilt");
     }
 
     goToLargestError(): void {
@@ -96,26 +99,49 @@ export class Actions {
             viewport.frame();
             return;
         }
-        const far = Math.max(...places.map((place) => Math.hypot(...net.pointAt(place).map((p, i) => p - middle[i]))));
+        const far = Math.max(
+            ...places.map((place) =>
+                Math.hypot(...net.pointAt(place).map((p, i) => p - middle[i])),
+            ),
+        );
         this.frameAround(middle, Math.max(far, 2 * net.typicalEdge()));
     }
 
     private viewActions() {
         const { viewport } = this.parts;
-        const orbit = (dx: number, dy: number) => () => { viewport.camera = orbited(viewport.camera, dx * turn, dy * turn); };
-        const pan = (dx: number, dy: number) => () => {
-            viewport.camera = panned(viewport.camera, dx * panPixels, dy * panPixels, viewport.height);
+        const orbit = (dx: number, dy: number) => () => {
+            viewport.camera = orbited(viewport.camera, dx * turn, dy * turn);
         };
-        const zoom = (factor: number) => () => { viewport.camera = zoomed(viewport.camera, factor, 0, 0, viewport.height); };
+        const pan = (dx: number, dy: number) => () => {
+            viewport.camera = panned(
+                viewport.camera,
+                dx * panPixels,
+                dy * panPixels,
+                viewport.height,
+            );
+        };
+        const zoom = (factor: number) => () => {
+            viewport.camera = zoomed(viewport.camera, factor, 0, 0, viewport.height);
+        };
         return {
             frame: () => this.frame(),
-            home: () => { viewport.lookAgain(); viewport.frame(); },
+            home: () => {
+                viewport.lookAgain();
+                viewport.frame();
+            },
             top: () => viewport.look(-quarter, quarter),
             front: () => viewport.look(-quarter, 0),
             side: () => viewport.look(0, 0),
-            orbitLeft: orbit(-1, 0), orbitRight: orbit(1, 0), orbitUp: orbit(0, 1), orbitDown: orbit(0, -1),
-            panLeft: pan(1, 0), panRight: pan(-1, 0), panUp: pan(0, 1), panDown: pan(0, -1),
-            zoomIn: zoom(1 / 1.2), zoomOut: zoom(1.2),
+            orbitLeft: orbit(-1, 0),
+            orbitRight: orbit(1, 0),
+            orbitUp: orbit(0, 1),
+            orbitDown: orbit(0, -1),
+            panLeft: pan(1, 0),
+            panRight: pan(-1, 0),
+            panUp: pan(0, 1),
+            panDown: pan(0, -1),
+            zoomIn: zoom(1 / 1.2),
+            zoomOut: zoom(1.2),
         };
     }
 
@@ -128,16 +154,23 @@ export class Actions {
 
     private showActions() {
         const { store, theme, help } = this.parts;
-        const level = (places: number) => () => store.set({ level: this.levelBeside(store.state.level, places) });
-        const net = (places: number) => () => store.set({ netLevel: this.levelBeside(store.state.netLevel, places) });
+        const level = (places: number) => () =>
+            store.set({ level: this.levelBeside(store.state.level, places) });
+        const net = (places: number) => () =>
+            store.set({ netLevel: this.levelBeside(store.state.netLevel, places) });
         return {
-            finer: level(-1), coarser: level(1), netFiner: net(-1), netCoarser: net(1),
+            finer: level(-1),
+            coarser: level(1),
+            netFiner: net(-1),
+            netCoarser: net(1),
             surface: () => store.set({ surface: !store.state.surface }),
             wireframe: () => store.set({ wireframe: !store.state.wireframe }),
             net: () => store.set({ net: !store.state.net }),
-            original: () => store.set({ shown: store.state.shown === "original" ? "edited" : "original" }),
+            original: () =>
+                store.set({ shown: store.state.shown === "original" ? "edited" : "original" }),
             drape: () => {
-                if (store.state.drape !== "none") store.set({ drape: store.state.drape === "shown" ? "hidden" : "shown" });
+                if (store.state.drape !== "none")
+                    store.set({ drape: store.state.drape === "shown" ? "hidden" : "shown" });
             },
             colour: () => {
                 const next = (colourings.indexOf(store.state.colouring) + 1) % colourings.length;
@@ -158,19 +191,33 @@ export class Actions {
             all: () => editing.selectAll(),
             none: () => this.leave(),
             grow: () => editing.grow(),
-            left: towards(-1, 0), right: towards(1, 0), up: towards(0, -1), down: towards(0, 1),
-            moveLeft: nudge(-1, 0, 0), moveRight: nudge(1, 0, 0), moveUp: nudge(0, 1, 0), moveDown: nudge(0, -1, 0),
-            raise: nudge(0, 0, 1), lower: nudge(0, 0, -1),
+            left: towards(-1, 0),
+            right: towards(1, 0),
+            up: towards(0, -1),
+            down: towards(0, 1),
+            moveLeft: nudge(-1, 0, 0),
+            moveRight: nudge(1, 0, 0),
+            moveUp: nudge(0, 1, 0),
+            moveDown: nudge(0, -1, 0),
+            raise: nudge(0, 0, 1),
+            lower: nudge(0, 0, -1),
             tilt: () => {
-                if (store.state.hello?.kind === "triangles") store.set({ tool: store.state.tool === "tilt" ? "move" : "tilt" });
+                if (store.state.hello?.kind === "triangles")
+                    store.set({ tool: store.state.tool === "tilt" ? "move" : "tilt" });
             },
             falloff: () => store.set({ falloff: !store.state.falloff }),
             wider: () => editing.scaleRadius(1.25),
             narrower: () => editing.scaleRadius(0.8),
-            undo: () => { if (editing.canEdit) void session.send({ do: "undo" }); },
-            redo: () => { if (editing.canEdit) void session.send({ do: "redo" }); },
+            undo: () => {
+                if (editing.canEdit) void session.send({ do: "undo" });
+            },
+            redo: () => {
+                if (editing.canEdit) void session.send({ do: "redo" });
+            },
             open: choose("open-file"),
-            save: () => { if (store.state.hello?.save && editing.canEdit) void session.save(); },
+            save: () => {
+                if (store.state.hello?.save && editing.canEdit) void session.save();
+            },
             picture: () => savePicture(viewport, appearance.scale, store.state.hello),
         };
     }

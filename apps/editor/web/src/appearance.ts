@@ -1,7 +1,14 @@
 // Applies the state and the theme to what is drawn: colours, ranges, light, lines.
 
 import { basis } from "./camera";
-import { curvatureMap, errorMap, heightMap, parseColour, slopeMap, type ColourMap } from "./colour_maps";
+import {
+    curvatureMap,
+    errorMap,
+    heightMap,
+    parseColour,
+    slopeMap,
+    type ColourMap,
+} from "./colour_maps";
 import type { ControlNet } from "./control_net";
 import type { Drape } from "./drape";
 import { roundUp } from "./format";
@@ -25,6 +32,11 @@ export interface Scale {
 /** Light from the upper left: north-west and 45 degrees high on a map. */
 const mapSun: Vector3 = [-0.5, 0.5, Math.SQRT1_2];
 
+function aroundZero(title: string, unit: string, map: ColourMap, largest: number): Scale {
+    const high = roundUp(largest);
+    return { title, unit, map, quantity: "value", low: -high, high, offset: 0 };
+}
+
 /** The colours by value of the state, or null if the surface is plain. */
 export function scaleOf(state: State, largestValue: number): Scale | null {
     const { hello, bounds, colouring, errors } = state;
@@ -34,22 +46,32 @@ export function scaleOf(state: State, largestValue: number): Scale | null {
             return null;
         case "height":
             return {
-                title: "Height", unit: hello.unit, map: heightMap, quantity: "height",
-                low: bounds.min[2], high: bounds.max[2], offset: hello.origin[2],
+                title: "Height",
+                unit: hello.unit,
+                map: heightMap,
+                quantity: "height",
+                low: bounds.min[2],
+                high: bounds.max[2],
+                offset: hello.origin[2],
             };
         case "slope": {
             const high = movesOnlyUp(hello) ? 60 : 180;
-            return { title: "Slope", unit: "\u00b0", map: slopeMap, quantity: "slope", low: 0, high, offset: 0 };
+            return {
+                title: "Slope",
+                unit: "\u00b0",
+                map: slopeMap,
+                quantity: "slope",
+                low: 0,
+                high,
+                offset: 0,
+            };
         }
         case "curvature": {
-            const high = roundUp(largestValue);
             const unit = hello.unit ? `1/${hello.unit}` : "";
-            return { title: "Mean curvature", unit, map: curvatureMap, quantity: "value", low: -high, high, offset: 0 };
+            return aroundZero("Mean curvature", unit, curvatureMap, largestValue);
         }
-        case "error": {
-            const high = roundUp(errors?.max_error || largestValue);
-            return { title: "Error", unit: hello.unit, map: errorMap, quantity: "value", low: -high, high, offset: 0 };
-        }
+        case "error":
+            return aroundZero("Error", hello.unit, errorMap, errors?.max_error || largestValue);
     }
 }
 
@@ -70,10 +92,24 @@ export class Appearance {
         private readonly net: ControlNet,
         private readonly drape: Drape,
     ) {
-        const keys = ["hello", "bounds", "level", "colouring", "errors", "surface", "wireframe", "exaggeration", "drape"] as const;
+        const keys = [
+            "hello",
+            "level",
+            "colouring",
+            "errors",
+            "surface",
+            "wireframe",
+            "exaggeration",
+            "drape",
+        ] as const;
         store.watch(keys, () => this.apply());
+        // Colours do not change under a point that is being dragged.
+        store.watch(["bounds", "dragging"], ({ dragging }) => {
+            if (!dragging) this.colour();
+        });
         session.onGeometry(() => {
-            if (store.state.colouring === "curvature" || store.state.colouring === "error") this.colour();
+            if (store.state.colouring === "curvature" || store.state.colouring === "error")
+                this.colour();
             this.edges();
         });
         viewport.onDraw(() => this.light());
@@ -95,7 +131,11 @@ export class Appearance {
         this.material.filled = surface;
         this.material.setDrape(drape === "shown" ? this.drape.texture : null, this.drape.rect);
         if (this.viewport.exaggeration !== exaggeration) this.viewport.exaggeration = exaggeration;
-        this.net.setColours({ point: hex("--net-point"), line: hex("--net-line"), selected: hex("--net-selected") });
+        this.net.setColours({
+            point: hex("--net-point"),
+            line: hex("--net-line"),
+            selected: hex("--net-selected"),
+        });
         this.colour();
         this.edges();
         this.viewport.invalidate();
@@ -104,8 +144,14 @@ export class Appearance {
     private colour(): void {
         const scale = scaleOf(this.store.state, this.session.shape?.largestValue() ?? 0);
         this.scale = scale;
-        this.material.setColouring(scale?.quantity ?? "height", scale?.map ?? null, scale?.low ?? 0, scale?.high ?? 1);
+        this.material.setColouring(
+            scale?.quantity ?? "height",
+            scale?.map ?? null,
+            scale?.low ?? 0,
+            scale?.high ?? 1,
+        );
         for (const call of this.watchers) call(scale);
+        this.viewport.invalidate();
     }
 
     private edges(): void {
@@ -124,7 +170,10 @@ export class Appearance {
         shape?.setEdges(wireframe, (colour[0] << 16) | (colour[1] << 8) | colour[2]);
     }
 
-    /** The sun stands still over a map; other surfaces are lit from behind the viewer's left shoulder. */
+    /**
+     * The sun stands still over a map; other surfaces are lit from behind the viewer's left
+     * shoulder.
+     */
     private light(): void {
         const { hello } = this.store.state;
         const { eye, right, up, back } = basis(this.viewport.camera);

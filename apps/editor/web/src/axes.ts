@@ -15,13 +15,27 @@ interface End {
     line: HTMLElement | null;
 }
 
-function makeEnd(viewport: Viewport, name: string, label: string, axis: Vector3, azimuth: number | null, elevation: number): End {
+function makeEnd(
+    viewport: Viewport,
+    name: string,
+    label: string,
+    axis: Vector3,
+    azimuth: number | null,
+    elevation: number,
+): End {
     const negative = name.startsWith("-");
     const look = () => viewport.look(azimuth ?? -quarter, elevation);
-    const button = el("button", {
-        type: "button", class: `axis ${name.slice(-1)} ${negative ? "negative" : ""}`, "aria-label": label, title: label,
-        onclick: look,
-    }, negative ? "" : name);
+    const button = el(
+        "button",
+        {
+            type: "button",
+            class: `axis ${name.slice(-1)} ${negative ? "negative" : ""}`,
+            "aria-label": label,
+            title: label,
+            onclick: look,
+        },
+        negative ? "" : name,
+    );
     return { axis, button, line: negative ? null : el("span", { class: `line ${name}` }) };
 }
 
@@ -42,9 +56,15 @@ export function axesCross(viewport: Viewport): HTMLElement {
         for (const { axis, button, line } of ends) {
             const along = (v: Vector3) => v[0] * axis[0] + v[1] * axis[1] + v[2] * axis[2];
             const [x, y, depth] = [arm * along(right), -arm * along(up), along(back)];
-            button.style.transform = `translate(${size / 2 + x}px, ${size / 2 + y}px) translate(-50%, -50%)`;
+            const place = `translate(${size / 2 + x}px, ${size / 2 + y}px)`;
+            button.style.transform = `${place} translate(-50%, -50%)`;
             button.style.zIndex = String(10 + Math.round(5 * depth));
-            if (line) line.style.transform = `translate(${size / 2}px, ${size / 2}px) rotate(${Math.atan2(y, x)}rad) scaleX(${Math.hypot(x, y)})`;
+            if (line)
+                line.style.transform = [
+                    `translate(${size / 2}px, ${size / 2}px)`,
+                    `rotate(${Math.atan2(y, x)}rad)`,
+                    `scaleX(${Math.hypot(x, y)})`,
+                ].join(" ");
         }
     });
     return element;

@@ -36,7 +36,12 @@ export function basis({ target, distance, azimuth, elevation }: CameraState): Ca
     const [sa, ca] = [Math.sin(azimuth), Math.cos(azimuth)];
     const [se, ce] = [Math.sin(elevation), Math.cos(elevation)];
     const back: Vector3 = [ce * ca, ce * sa, se];
-    return { eye: add(target, back, distance), right: [-sa, ca, 0], up: [-se * ca, -se * sa, ce], back };
+    return {
+        eye: add(target, back, distance),
+        right: [-sa, ca, 0],
+        up: [-se * ca, -se * sa, ce],
+        back,
+    };
 }
 
 export function orbited(camera: CameraState, turn: number, rise: number): CameraState {
@@ -56,8 +61,17 @@ export function panned(camera: CameraState, dx: number, dy: number, height: numb
     return { ...camera, target: add(add(camera.target, right, -dx * unit), up, dy * unit) };
 }
 
-/** Nearer (factor < 1) or farther; the point of the target's plane that is (dx, dy) pixels from the middle stays. */
-export function zoomed(camera: CameraState, factor: number, dx: number, dy: number, height: number): CameraState {
+/**
+ * Nearer (factor < 1) or farther; the point of the target's plane that is (dx, dy) pixels from the
+ * middle stays.
+ */
+export function zoomed(
+    camera: CameraState,
+    factor: number,
+    dx: number,
+    dy: number,
+    height: number,
+): CameraState {
     const { right, up } = basis(camera);
     const unit = unitsPerPixel(camera, height) * (1 - factor);
     const target = add(add(camera.target, right, dx * unit), up, -dy * unit);
@@ -65,13 +79,22 @@ export function zoomed(camera: CameraState, factor: number, dx: number, dy: numb
 }
 
 /** Looks at a box so that all of it is in the picture, from the same direction. */
-export function framed(camera: CameraState, min: Vector3, max: Vector3, aspect: number): CameraState {
+export function framed(
+    camera: CameraState,
+    min: Vector3,
+    max: Vector3,
+    aspect: number,
+): CameraState {
     const target: Vector3 = [(min[0] + max[0]) / 2, (min[1] + max[1]) / 2, (min[2] + max[2]) / 2];
     const { right, up, back } = basis({ ...camera, target });
     const tangent = Math.tan(fieldOfView / 2);
     let distance = 0;
     for (let corner = 0; corner < 8; ++corner) {
-        const p: Vector3 = [corner & 1 ? max[0] : min[0], corner & 2 ? max[1] : min[1], corner & 4 ? max[2] : min[2]];
+        const p: Vector3 = [
+            corner & 1 ? max[0] : min[0],
+            corner & 2 ? max[1] : min[1],
+            corner & 4 ? max[2] : min[2],
+        ];
         const from = add(p, target, -1);
         const high = Math.abs(dot(from, up)) / tangent;
         const wide = Math.abs(dot(from, right)) / (tangent * aspect);

@@ -32,11 +32,20 @@ export class Connection {
     private readonly frames = new Map<number, number>();
     private lastId = 0;
 
-    constructor(address: string, private readonly listener: Listener) {
+    constructor(
+        address: string,
+        private readonly listener: Listener,
+    ) {
         this.socket = new WebSocket(address);
         this.socket.binaryType = "arraybuffer";
-        this.socket.addEventListener("message", (message) => this.receive(message.data as string | ArrayBuffer));
+        this.socket.addEventListener("message", (message) =>
+            this.receive(message.data as string | ArrayBuffer),
+        );
         this.socket.addEventListener("close", () => this.close());
+    }
+
+    get isClosed(): boolean {
+        return this.socket.readyState === WebSocket.CLOSED;
     }
 
     /** Messages without answer and frames that were announced but have not come. */
@@ -51,20 +60,31 @@ export class Connection {
         return this.lastId;
     }
 
-    /** Whether the message of this id is not answered, or frames that it asked for have not come. */
+    /**
+     * Whether the message of this id is not answered, or frames that it asked for have not come.
+     */
     awaits(id: number): boolean {
         return this.unanswered.has(id) || this.frames.has(id);
     }
 
-    /** Sends a question or a command. `frames`: how many binary messages follow the answer. Rejects with Refusal. */
+    /**
+     * Sends a question or a command. `frames`: how many binary messages follow the answer. Rejects
+     * with Refusal.
+     */
     send<T extends Answer>(message: object, frames = 0): Promise<T> {
         if (this.socket.readyState !== WebSocket.OPEN) {
-            return Promise.reject(new Refusal({ code: "closed", message: "The connection is closed." }));
+            return Promise.reject(
+                new Refusal({ code: "closed", message: "The connection is closed." }),
+            );
         }
         const id = ++this.lastId;
         this.socket.send(JSON.stringify({ id, ...message }));
         return new Promise<T>((resolve, reject) => {
-            this.unanswered.set(id, { resolve: resolve as (answer: Answer) => void, reject, frames });
+            this.unanswered.set(id, {
+                resolve: resolve as (answer: Answer) => void,
+                reject,
+                frames,
+            });
         });
     }
 
@@ -84,10 +104,14 @@ export class Connection {
             return;
         }
         const waiting = this.unanswered.get(message.id);
-        if (!waiting) throw new FrameError(message.ok ? "an answer that nothing asked for" : failureText(message.error));
+        if (!waiting)
+            throw new FrameError(
+                message.ok ? "an answer that nothing asked for" : failureText(message.error),
+            );
         this.unanswered.delete(message.id);
         this.listener.answered(message.id);
-        // Answers come in order, each followed by its frames: what earlier ones still lack does not come.
+        // Answers come in order, each followed by its frames: what earlier ones still lack does not
+        // come.
         for (const id of this.frames.keys()) {
             if (id < message.id) this.frames.delete(id);
         }
@@ -123,6 +147,9 @@ export async function failureOf(response: Response): Promise<Failure> {
         const body = (await response.json()) as Failure & { error?: Failure };
         return body.error ?? body;
     } catch {
-        return { code: "http", message: `The server answered ${response.status} ${response.statusText}.` };
+        return {
+            code: "http",
+            message: `The server answered ${response.status} ${response.statusText}.`,
+        };
     }
 }

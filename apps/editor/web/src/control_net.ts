@@ -1,4 +1,5 @@
-// The control net of a level: its points, edges and control triangles, and how selection and falloff look on it.
+// The control net of a level: its points, edges and control triangles, and how selection and
+// falloff look on it.
 
 import * as THREE from "three";
 import { adjacency, falloffWeights, type Adjacency, type Metric } from "./falloff";
@@ -75,7 +76,12 @@ export class ControlNet {
     /** What is behind the surface is drawn faintly, by a second pass without depth test. */
     private readonly pointMaterials = [pointMaterial(0.3, false), pointMaterial(1, true)];
     private readonly lineMaterials = [
-        new THREE.LineBasicMaterial({ transparent: true, opacity: 0.25, depthTest: false, depthWrite: false }),
+        new THREE.LineBasicMaterial({
+            transparent: true,
+            opacity: 0.25,
+            depthTest: false,
+            depthWrite: false,
+        }),
         new THREE.LineBasicMaterial({ transparent: true, opacity: 0.8, depthWrite: false }),
     ];
     private readonly points = new THREE.BufferGeometry();
@@ -168,23 +174,41 @@ export class ControlNet {
         return lengths[lengths.length >> 1] ?? 0;
     }
 
-    /** Shows what is selected, how far its falloff reaches, and which point is under the pointer (-1: none). */
-    highlight(selection: ReadonlySet<number>, falloff: (Falloff & { metric: Metric }) | null, hovered: number): void {
+    /**
+     * Shows what is selected, how far its falloff reaches, and which point is under the pointer
+     * (-1: none).
+     */
+    highlight(
+        selection: ReadonlySet<number>,
+        falloff: (Falloff & { metric: Metric }) | null,
+        hovered: number,
+    ): void {
         const selected = this.placesOf(selection);
         if (falloff && selected.length > 0) {
-            this.states.set(falloffWeights(this.position, this.edges, selected, falloff.radius, falloff.profile, falloff.metric));
+            this.states.set(
+                falloffWeights(
+                    this.position,
+                    this.edges,
+                    selected,
+                    falloff.radius,
+                    falloff.profile,
+                    falloff.metric,
+                ),
+            );
         } else {
             this.states.fill(0);
         }
         for (const place of selected) this.states[place] = 2;
-        if (hovered >= 0 && hovered < this.count) this.states[hovered] = this.states[hovered] >= 2 ? 2 : 3;
+        if (hovered >= 0 && hovered < this.count)
+            this.states[hovered] = this.states[hovered] >= 2 ? 2 : 3;
         const attribute = this.points.getAttribute("state");
         if (attribute) attribute.needsUpdate = true;
         this.viewport.invalidate();
     }
 
     setColours(colours: NetColours): void {
-        const vector = (hex: number) => new THREE.Vector3((hex >> 16) & 255, (hex >> 8) & 255, hex & 255).divideScalar(255);
+        const vector = (hex: number) =>
+            new THREE.Vector3((hex >> 16) & 255, (hex >> 8) & 255, hex & 255).divideScalar(255);
         for (const material of this.pointMaterials) {
             material.uniforms.point.value = vector(colours.point);
             material.uniforms.selected.value = vector(colours.selected);
@@ -216,7 +240,8 @@ export class ControlNet {
         const corner = optionalArray(frame, "corner", "f32", 9, at.length);
         at.forEach((place, i) => {
             this.position.set(position.subarray(3 * i, 3 * i + 3), 3 * place);
-            if (corner && this.corner) this.corner.set(corner.subarray(9 * i, 9 * i + 9), 9 * place);
+            if (corner && this.corner)
+                this.corner.set(corner.subarray(9 * i, 9 * i + 9), 9 * place);
         });
         this.points.getAttribute("position").needsUpdate = true;
         const corners = this.trianglePositions.getAttribute("position");
@@ -229,14 +254,19 @@ export class ControlNet {
         this.states = new Float32Array(this.count);
         const positions = new THREE.BufferAttribute(this.position, 3);
         // Attributes of another size need buffers of their own.
-        for (const geometry of [this.points, this.lines, this.trianglePositions]) geometry.dispose();
+        for (const geometry of [this.points, this.lines, this.trianglePositions])
+            geometry.dispose();
         this.points.setAttribute("position", positions);
         this.points.setAttribute("state", new THREE.BufferAttribute(this.states, 1));
         this.lines.setAttribute("position", positions);
         this.lines.setIndex(new THREE.BufferAttribute(this.line, 1));
         const corners = this.corner ?? new Float32Array();
         const sides = new Uint32Array(6 * (corners.length / 9));
-        for (let t = 0; t < sides.length / 6; ++t) sides.set([0, 1, 1, 2, 2, 0].map((i) => 3 * t + i), 6 * t);
+        for (let t = 0; t < sides.length / 6; ++t)
+            sides.set(
+                [0, 1, 1, 2, 2, 0].map((i) => 3 * t + i),
+                6 * t,
+            );
         this.trianglePositions.setAttribute("position", new THREE.BufferAttribute(corners, 3));
         this.trianglePositions.setIndex(new THREE.BufferAttribute(sides, 1));
         this.object.visible = this.count > 0;

@@ -4,11 +4,14 @@ type Attributes = Record<string, string | number | boolean | ((event: never) => 
 
 /** An element with attributes, `onclick` and its like as functions, and children. */
 export function el<K extends keyof HTMLElementTagNameMap>(
-    tag: K, attributes: Attributes = {}, ...children: (Node | string)[]
+    tag: K,
+    attributes: Attributes = {},
+    ...children: (Node | string)[]
 ): HTMLElementTagNameMap[K] {
     const element = document.createElement(tag);
     for (const [name, value] of Object.entries(attributes)) {
-        if (typeof value === "function") element.addEventListener(name.slice(2), value as EventListener);
+        if (typeof value === "function")
+            element.addEventListener(name.slice(2), value as EventListener);
         else if (typeof value === "boolean") element.toggleAttribute(name, value);
         else element.setAttribute(name, String(value));
     }
@@ -23,7 +26,11 @@ export function freshId(): string {
     return `control-${++ids}`;
 }
 
-export function button(text: string, click: () => void, attributes: Attributes = {}): HTMLButtonElement {
+export function button(
+    text: string,
+    click: () => void,
+    attributes: Attributes = {},
+): HTMLButtonElement {
     return el("button", { type: "button", onclick: click, ...attributes }, text);
 }
 
@@ -33,7 +40,12 @@ export function row(...children: (Node | string)[]): HTMLDivElement {
 
 export function section(title: string, ...children: (Node | string)[]): HTMLDetailsElement {
     const body = el("div", { class: "body" }, ...children);
-    return el("details", { open: true, id: `section-${title.toLowerCase()}` }, el("summary", {}, title), body);
+    return el(
+        "details",
+        { open: true, id: `section-${title.toLowerCase()}` },
+        el("summary", {}, title),
+        body,
+    );
 }
 
 export interface Field {
@@ -43,14 +55,25 @@ export interface Field {
 }
 
 /** A number with its label. `entered` is called with finite numbers that the user has confirmed. */
-export function numberField(label: string, entered: (value: number) => void, attributes: Attributes = {}): Field {
+export function numberField(
+    label: string,
+    entered: (value: number) => void,
+    attributes: Attributes = {},
+): Field {
     const input = el("input", { type: "number", step: "any", id: freshId(), ...attributes });
     const confirm = () => {
-        if (Number.isFinite(input.valueAsNumber) && input.checkValidity()) entered(input.valueAsNumber);
+        if (Number.isFinite(input.valueAsNumber) && input.checkValidity())
+            entered(input.valueAsNumber);
     };
     input.addEventListener("change", confirm);
     const element = el("div", { class: "field" }, el("label", { for: input.id }, label), input);
-    return { element, input, show: (value) => { if (input.value !== value) input.value = value; } };
+    return {
+        element,
+        input,
+        show: (value) => {
+            if (input.value !== value) input.value = value;
+        },
+    };
 }
 
 export function checkbox(label: string, changed: (checked: boolean) => void): Field {
@@ -58,7 +81,9 @@ export function checkbox(label: string, changed: (checked: boolean) => void): Fi
     return {
         element: el("label", { class: "check" }, input, el("span", {}, label)),
         input,
-        show: (value) => { input.checked = value === "true"; },
+        show: (value) => {
+            input.checked = value === "true";
+        },
     };
 }
 
@@ -69,7 +94,11 @@ export interface Choice<T extends string> {
 }
 
 /** One of a few values, all in sight. */
-export function segments<T extends string>(label: string, values: readonly [T, string][], chosen: (value: T) => void): Choice<T> {
+export function segments<T extends string>(
+    label: string,
+    values: readonly [T, string][],
+    chosen: (value: T) => void,
+): Choice<T> {
     const name = freshId();
     const inputs = new Map<T, HTMLInputElement>();
     const element = el("div", { class: "segments", role: "radiogroup", "aria-label": label });
@@ -80,8 +109,12 @@ export function segments<T extends string>(label: string, values: readonly [T, s
     }
     return {
         element,
-        show: (value) => { for (const [key, input] of inputs) input.checked = key === value; },
-        enable: (value, enabled) => { (inputs.get(value) as HTMLInputElement).disabled = !enabled; },
+        show: (value) => {
+            for (const [key, input] of inputs) input.checked = key === value;
+        },
+        enable: (value, enabled) => {
+            (inputs.get(value) as HTMLInputElement).disabled = !enabled;
+        },
     };
 }
 
@@ -92,14 +125,19 @@ export interface Select<T extends string> {
 }
 
 export function select<T extends string>(
-    label: string, values: readonly [T, string][], chosen: (value: T) => void, id = freshId(),
+    label: string,
+    values: readonly [T, string][],
+    chosen: (value: T) => void,
+    id = freshId(),
 ): Select<T> {
     const input = el("select", { id, onchange: () => chosen(input.value as T) });
     for (const [value, text] of values) input.append(el("option", { value }, text));
     return {
         element: el("div", { class: "field" }, el("label", { for: id }, label), input),
         input,
-        show: (value) => { input.value = value; },
+        show: (value) => {
+            input.value = value;
+        },
     };
 }
 

@@ -11,11 +11,17 @@ export class Drape {
     texture: THREE.Texture | null = null;
     rect: Rect = [0, 0, 1, 1];
 
-    constructor(private readonly store: Store, private readonly viewport: Viewport) {}
+    constructor(
+        private readonly store: Store,
+        private readonly viewport: Viewport,
+    ) {}
 
     /** Sends an image and shows it. Throws Refusal. */
     async load(file: File): Promise<void> {
-        const sent = await fetch(`drape?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });
+        const sent = await fetch(`drape?name=${encodeURIComponent(file.name)}`, {
+            method: "POST",
+            body: file,
+        });
         if (!sent.ok) throw new Refusal(await failureOf(sent));
         const { rect } = (await sent.json()) as { rect: Rect };
         const picture = await fetch("drape.png", { cache: "no-store" });
@@ -45,8 +51,14 @@ export class Drape {
         const whole = await createImageBitmap(blob);
         const factor = this.viewport.maxTextureSize / Math.max(whole.width, whole.height);
         if (factor >= 1) return whole;
-        const [resizeWidth, resizeHeight] = [whole.width, whole.height].map((size) => Math.max(1, Math.floor(size * factor)));
-        const reduced = await createImageBitmap(whole, { resizeWidth, resizeHeight, resizeQuality: "high" });
+        const [resizeWidth, resizeHeight] = [whole.width, whole.height].map((size) =>
+            Math.max(1, Math.floor(size * factor)),
+        );
+        const reduced = await createImageBitmap(whole, {
+            resizeWidth,
+            resizeHeight,
+            resizeQuality: "high",
+        });
         whole.close();
         return reduced;
     }

@@ -4,7 +4,16 @@ import type { ControlNet } from "./control_net";
 import type { Gizmo, GizmoKind, Handle } from "./gizmo";
 import { LatestSender } from "./latest_sender";
 import { movesOnlyUp, type Edit, type Falloff, type Vector3 } from "./protocol";
-import { grown, neighbourTowards, placesInBox, placeUnder, toggled, united, type Box, type Point2 } from "./selection";
+import {
+    grown,
+    neighbourTowards,
+    placesInBox,
+    placeUnder,
+    toggled,
+    united,
+    type Box,
+    type Point2,
+} from "./selection";
 import type { Session } from "./session";
 import type { Store } from "./store";
 import type { Viewport } from "./viewport";
@@ -22,7 +31,9 @@ interface Drag {
 
 export class Editing {
     private drag: Drag | null = null;
-    private readonly drags = new LatestSender<Edit>(({ do: of, ...members }) => this.session.send({ do: "drag", of, ...members }));
+    private readonly drags = new LatestSender<Edit>(({ do: of, ...members }) =>
+        this.session.send({ do: "drag", of, ...members }),
+    );
     private hovered = -1;
     private netLevel = -1;
     private afterNet: (() => void) | null = null;
@@ -34,7 +45,9 @@ export class Editing {
         private readonly net: ControlNet,
         private readonly gizmo: Gizmo,
     ) {
-        store.watch(["selection", "falloff", "radius", "profile", "tool", "net", "hello"], () => this.show());
+        store.watch(["selection", "falloff", "radius", "profile", "tool", "net", "hello"], () =>
+            this.show(),
+        );
         store.watch(["selection", "tool"], () => this.resetFields());
         store.watch(["netLevel", "hello"], () => this.forgetNet());
         session.onGeometry(() => this.netArrived());
@@ -56,7 +69,10 @@ export class Editing {
         return hello === null || movesOnlyUp(hello);
     }
 
-    /** The place of the control point under the pointer, or -1. Points before the surface go before those behind. */
+    /**
+     * The place of the control point under the pointer, or -1. Points before the surface go before
+     * those behind.
+     */
     placeAt(pointer: Point2, within = reach): number {
         if (this.net.count === 0) return -1;
         const projected = this.viewport.project(this.net.position);
@@ -64,7 +80,12 @@ export class Editing {
         const surface = this.session.shape?.object;
         const hit = nearest >= 0 && surface ? this.viewport.hit(pointer, surface) : null;
         if (!hit) return nearest;
-        const before = placeUnder(projected, pointer, within, behindSurface * this.viewport.projectPoint(hit)[2]);
+        const before = placeUnder(
+            projected,
+            pointer,
+            within,
+            behindSurface * this.viewport.projectPoint(hit)[2],
+        );
         return before >= 0 ? before : nearest;
     }
 
@@ -86,7 +107,9 @@ export class Editing {
 
     select(place: number, adding: boolean): void {
         const name = this.net.names[place];
-        this.store.set({ selection: adding ? toggled(this.store.state.selection, name) : new Set([name]) });
+        this.store.set({
+            selection: adding ? toggled(this.store.state.selection, name) : new Set([name]),
+        });
     }
 
     isSelected(place: number): boolean {
@@ -109,23 +132,39 @@ export class Editing {
     selectBox(box: Box, adding: boolean): void {
         const places = placesInBox(this.viewport.project(this.net.position), box);
         const names = places.map((place) => this.net.names[place]);
-        this.store.set({ selection: united(adding ? this.store.state.selection : new Set(), names) });
+        this.store.set({
+            selection: united(adding ? this.store.state.selection : new Set(), names),
+        });
     }
 
     grow(): void {
         const places = grown(this.net.adjacency, this.net.placesOf(this.store.state.selection));
-        this.store.set({ selection: united(this.store.state.selection, places.map((place) => this.net.names[place])) });
+        this.store.set({
+            selection: united(
+                this.store.state.selection,
+                places.map((place) => this.net.names[place]),
+            ),
+        });
     }
 
-    /** Selects the neighbour in a direction on the screen; the point in the middle if none is selected. */
+    /**
+     * Selects the neighbour in a direction on the screen; the point in the middle if none is
+     * selected.
+     */
     selectTowards(direction: Point2): void {
         this.withNet(() => {
             const projected = this.viewport.project(this.net.position);
             const selected = this.net.placesOf(this.store.state.selection);
             const middle = { x: this.viewport.width / 2, y: this.viewport.height / 2 };
-            const next = selected.length > 0
-                ? neighbourTowards(this.net.adjacency, projected, selected[selected.length - 1], direction)
-                : this.placeAt(middle, Infinity);
+            const next =
+                selected.length > 0
+                    ? neighbourTowards(
+                          this.net.adjacency,
+                          projected,
+                          selected[selected.length - 1],
+                          direction,
+                      )
+                    : this.placeAt(middle, Infinity);
             if (next >= 0) this.select(next, false);
         });
     }
@@ -136,6 +175,7 @@ export class Editing {
         if (!this.canEdit || !start) return false;
         this.gizmo.grab(handle, pointer, place >= 0 ? this.net.pointAt(place) : start);
         this.drag = { tilting: handle.startsWith("tilt"), start, moved: false };
+        this.store.set({ dragging: true });
         if (this.store.state.shown !== "edited") this.store.set({ shown: "edited" });
         return true;
     }
@@ -144,7 +184,9 @@ export class Editing {
     follow(pointer: Point2, snapping: boolean): void {
         if (!this.drag) return;
         const { step } = this.store.state;
-        const moved = this.gizmo.dragged(pointer).map((d) => (snapping ? Math.round(d / step) * step : d)) as Vector3;
+        const moved = this.gizmo
+            .dragged(pointer)
+            .map((d) => (snapping ? Math.round(d / step) * step : d)) as Vector3;
         this.drag.moved = true;
         if (this.drag.tilting) this.store.set({ slope: [moved[0], moved[1]] });
         else this.store.set({ delta: moved });
@@ -187,7 +229,9 @@ export class Editing {
             void this.apply(true);
             return;
         }
-        this.store.set({ delta: this.onlyUp ? [0, 0, (y + z) * step] : [x * step, y * step, z * step] });
+        this.store.set({
+            delta: this.onlyUp ? [0, 0, (y + z) * step] : [x * step, y * step, z * step],
+        });
         void this.apply(false);
     }
 
@@ -209,7 +253,13 @@ export class Editing {
         if (points.length === 0) return null;
         const around: { falloff?: Falloff } = falloff ? { falloff: { radius, profile } } : {};
         if (tilting) return { do: "tilt", level: netLevel, points, slope, ...around };
-        return { do: "move", level: netLevel, points, delta: this.onlyUp ? delta[2] : delta, ...around };
+        return {
+            do: "move",
+            level: netLevel,
+            points,
+            delta: this.onlyUp ? delta[2] : delta,
+            ...around,
+        };
     }
 
     /** Shows the drag here and asks the server to show it. */
@@ -217,7 +267,10 @@ export class Editing {
         const drag = this.drag;
         if (!drag) return;
         const { delta } = this.store.state;
-        this.gizmo.show(drag.start.map((s, i) => s + (drag.tilting ? 0 : delta[i])) as Vector3, this.gizmoKind());
+        this.gizmo.show(
+            drag.start.map((s, i) => s + (drag.tilting ? 0 : delta[i])) as Vector3,
+            this.gizmoKind(),
+        );
         const edit = this.edit(drag.tilting);
         if (edit) this.drags.offer(edit);
     }
@@ -226,6 +279,7 @@ export class Editing {
         this.drag = null;
         this.drags.drop();
         this.gizmo.release();
+        this.store.set({ dragging: false });
     }
 
     private netArrived(): void {
@@ -271,7 +325,8 @@ export class Editing {
     private show(): void {
         const { hello, selection, falloff, radius, profile, net } = this.store.state;
         if (!this.drag) {
-            const middle = net && this.canEdit ? this.net.middle(this.net.placesOf(selection)) : null;
+            const middle =
+                net && this.canEdit ? this.net.middle(this.net.placesOf(selection)) : null;
             this.gizmo.show(middle, this.gizmoKind());
         }
         const metric = hello?.raster && !hello.parametric ? "plane" : "edges";

@@ -91,7 +91,11 @@ export type Metric = "edges" | "plane";
  * Complexity: O(e log e) in the edges within the radius.
  */
 export function distances(
-    position: Float32Array, net: Adjacency, sources: Iterable<number>, radius: number, metric: Metric,
+    position: Float32Array,
+    net: Adjacency,
+    sources: Iterable<number>,
+    radius: number,
+    metric: Metric,
 ): Float64Array {
     const found = new Float64Array(position.length / 3).fill(Infinity);
     const origin = new Uint32Array(found.length);
@@ -101,16 +105,23 @@ export function distances(
         origin[source] = source;
         heap.push(source, 0);
     }
-    const apart = (a: number, b: number, axis: number) => position[3 * a + axis] - position[3 * b + axis];
+    const apart = (a: number, b: number, axis: number) =>
+        position[3 * a + axis] - position[3 * b + axis];
     while (!heap.empty) {
         const { place, key } = heap.pop();
         if (key > found[place]) continue;
         const source = origin[place];
         for (let i = net.first[place]; i < net.first[place + 1]; ++i) {
             const target = net.targets[i];
-            const d = metric === "plane"
-                ? Math.hypot(apart(target, source, 0), apart(target, source, 1))
-                : key + Math.hypot(apart(target, place, 0), apart(target, place, 1), apart(target, place, 2));
+            const d =
+                metric === "plane"
+                    ? Math.hypot(apart(target, source, 0), apart(target, source, 1))
+                    : key +
+                      Math.hypot(
+                          apart(target, place, 0),
+                          apart(target, place, 1),
+                          apart(target, place, 2),
+                      );
             if (d < radius && d < found[target]) {
                 found[target] = d;
                 origin[target] = source;
@@ -123,7 +134,14 @@ export function distances(
 
 /** The weight of every point: 1 at `sources`, less around them, 0 from `radius` on. */
 export function falloffWeights(
-    position: Float32Array, net: Adjacency, sources: Iterable<number>, radius: number, profile: Profile, metric: Metric,
+    position: Float32Array,
+    net: Adjacency,
+    sources: Iterable<number>,
+    radius: number,
+    profile: Profile,
+    metric: Metric,
 ): Float32Array {
-    return Float32Array.from(distances(position, net, sources, radius, metric), (d) => profileWeight(profile, d, radius));
+    return Float32Array.from(distances(position, net, sources, radius, metric), (d) =>
+        profileWeight(profile, d, radius),
+    );
 }

@@ -5,7 +5,10 @@ const minus = "\u2212";
 
 /** Whole number with its digits in groups of three. */
 export function count(value: number): string {
-    return Math.round(value).toString().replace(/\B(?=(\d{3})+$)/g, thin).replace("-", minus);
+    return Math.round(value)
+        .toString()
+        .replace(/\B(?=(\d{3})+$)/g, thin)
+        .replace("-", minus);
 }
 
 /** A count and its noun: "1 point", "2 points". */
@@ -28,7 +31,10 @@ export function bytes(value: number): string {
 export function number(value: number, digits = 4): string {
     if (value === 0 || !Number.isFinite(value)) return value === 0 ? "0" : "\u2013";
     const size = Math.abs(value);
-    const text = size >= 1e7 || size < 1e-4 ? value.toExponential(digits - 1).replace(/\.?0+e/, "e") : plain(value, digits);
+    const text =
+        size >= 1e7 || size < 1e-4
+            ? value.toExponential(digits - 1).replace(/\.?0+e/, "e")
+            : plain(value, digits);
     return text.replace(/-/g, minus);
 }
 

@@ -21,7 +21,12 @@ export class FrameError extends Error {}
 const magic = 0x464c4552;
 const maxWidth = 16;
 
-const arrayTypes = { f32: Float32Array, u32: Uint32Array, i16: Int16Array, u8: Uint8Array } as const;
+const arrayTypes = {
+    f32: Float32Array,
+    u32: Uint32Array,
+    i16: Int16Array,
+    u8: Uint8Array,
+} as const;
 
 function padded(bytes: number): number {
     return Math.ceil(bytes / 8) * 8;
@@ -34,7 +39,8 @@ function isCount(value: unknown): value is number {
 function parseHead(buffer: ArrayBuffer): { head: Record<string, unknown>; end: number } {
     if (buffer.byteLength < 8) throw new FrameError(`${buffer.byteLength} bytes are no message`);
     const view = new DataView(buffer);
-    if (view.getUint32(0, true) !== magic) throw new FrameError("the message does not begin with RELF");
+    if (view.getUint32(0, true) !== magic)
+        throw new FrameError("the message does not begin with RELF");
     const end = 8 + view.getUint32(4, true);
     if (end > buffer.byteLength) throw new FrameError("the head is longer than the message");
     if (end % 8 !== 0) throw new FrameError("the head is not padded to a multiple of 8 bytes");
@@ -44,7 +50,8 @@ function parseHead(buffer: ArrayBuffer): { head: Record<string, unknown>; end: n
     } catch {
         throw new FrameError("the head is not JSON");
     }
-    if (typeof head !== "object" || head === null || Array.isArray(head)) throw new FrameError("the head is no object");
+    if (typeof head !== "object" || head === null || Array.isArray(head))
+        throw new FrameError("the head is no object");
     return { head: head as Record<string, unknown>, end };
 }
 
@@ -57,16 +64,20 @@ export function decodeFrame(buffer: ArrayBuffer): Frame {
     let offset = end;
     for (const entry of head.arrays as Record<string, unknown>[]) {
         const { name, type, width, count } = entry ?? {};
-        if (typeof name !== "string" || arrays.has(name)) throw new FrameError("an array has no name of its own");
+        if (typeof name !== "string" || arrays.has(name))
+            throw new FrameError("an array has no name of its own");
         if (typeof type !== "string" || !Object.hasOwn(arrayTypes, type)) {
             throw new FrameError(`array ${name} is of unknown type ${String(type)}`);
         }
         if (!isCount(width) || width < 1 || width > maxWidth || !isCount(count)) {
-            throw new FrameError(`array ${name} has width ${String(width)} and count ${String(count)}`);
+            throw new FrameError(
+                `array ${name} has width ${String(width)} and count ${String(count)}`,
+            );
         }
         const arrayType = arrayTypes[type as keyof typeof arrayTypes];
         const bytes = width * count * arrayType.BYTES_PER_ELEMENT;
-        if (bytes > buffer.byteLength - offset) throw new FrameError(`array ${name} is longer than the message`);
+        if (bytes > buffer.byteLength - offset)
+            throw new FrameError(`array ${name} is longer than the message`);
         arrays.set(name, { data: new arrayType(buffer, offset, width * count), width, count });
         offset += padded(bytes);
     }
@@ -76,9 +87,16 @@ export function decodeFrame(buffer: ArrayBuffer): Frame {
 type TypeName = keyof typeof arrayTypes;
 type ArrayOf<T extends TypeName> = InstanceType<(typeof arrayTypes)[T]>;
 
-/** The array `name` of that type and width, or null if there is none. Throws FrameError if it is of another shape. */
+/**
+ * The array `name` of that type and width, or null if there is none. Throws FrameError if it is of
+ * another shape.
+ */
 export function optionalArray<T extends TypeName>(
-    frame: Frame, name: string, type: T, width: number, count?: number,
+    frame: Frame,
+    name: string,
+    type: T,
+    width: number,
+    count?: number,
 ): ArrayOf<T> | null {
     const array = frame.arrays.get(name);
     if (!array) return null;
@@ -86,14 +104,20 @@ export function optionalArray<T extends TypeName>(
         throw new FrameError(`array ${name} of ${frame.what} is not ${type} of width ${width}`);
     }
     if (count !== undefined && array.count !== count) {
-        throw new FrameError(`array ${name} of ${frame.what} has ${array.count} elements instead of ${count}`);
+        throw new FrameError(
+            `array ${name} of ${frame.what} has ${array.count} elements instead of ${count}`,
+        );
     }
     return array.data as ArrayOf<T>;
 }
 
 /** As optionalArray, but it must be there. */
 export function requiredArray<T extends TypeName>(
-    frame: Frame, name: string, type: T, width: number, count?: number,
+    frame: Frame,
+    name: string,
+    type: T,
+    width: number,
+    count?: number,
 ): ArrayOf<T> {
     const array = optionalArray(frame, name, type, width, count);
     if (!array) throw new FrameError(`${frame.what} has no array ${name}`);

@@ -1,4 +1,5 @@
-// Handles at the selection: arrows that move it along an axis, or knobs that tilt control triangles.
+// Handles at the selection: arrows that move it along an axis, or knobs that tilt control
+// triangles.
 
 import * as THREE from "three";
 import { dot, unitsPerPixel } from "./camera";
@@ -29,15 +30,25 @@ function axisName(handle: Handle): string {
 
 function arrow(handle: Handle): THREE.Group {
     const name = axisName(handle);
-    const material = new THREE.MeshBasicMaterial({ color: colours[name], depthTest: false, transparent: true });
-    const shaft = new THREE.Mesh(new THREE.CylinderGeometry(0.016, 0.016, 0.86, 8).translate(0, 0.43, 0), material);
+    const material = new THREE.MeshBasicMaterial({
+        color: colours[name],
+        depthTest: false,
+        transparent: true,
+    });
+    const shaft = new THREE.Mesh(
+        new THREE.CylinderGeometry(0.016, 0.016, 0.86, 8).translate(0, 0.43, 0),
+        material,
+    );
     const tip = handle.startsWith("tilt")
         ? new THREE.SphereGeometry(0.075, 16, 12).translate(0, 0.9, 0)
         : new THREE.ConeGeometry(0.065, 0.2, 20).translate(0, 0.92, 0);
     const group = new THREE.Group();
     group.add(shaft, new THREE.Mesh(tip, material));
     for (const child of group.children) child.renderOrder = 10;
-    group.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), new THREE.Vector3(...axes[name]));
+    group.quaternion.setFromUnitVectors(
+        new THREE.Vector3(0, 1, 0),
+        new THREE.Vector3(...axes[name]),
+    );
     return group;
 }
 
@@ -69,8 +80,13 @@ export class Gizmo {
     }
 
     get scale(): number {
-        const distance = Math.hypot(...this.viewport.ray({ x: 0, y: 0 }).origin.map((o, i) => o - this.scenePlace[i]));
-        return lengthPixels * unitsPerPixel({ ...this.viewport.camera, distance }, this.viewport.height);
+        const distance = Math.hypot(
+            ...this.viewport.ray({ x: 0, y: 0 }).origin.map((o, i) => o - this.scenePlace[i]),
+        );
+        return (
+            lengthPixels *
+            unitsPerPixel({ ...this.viewport.camera, distance }, this.viewport.height)
+        );
     }
 
     /** Stands at a place in page coordinates; null hides it. */
@@ -104,7 +120,10 @@ export class Gizmo {
         return best;
     }
 
-    /** Begins to drag by a handle, or freely: along z if points only move up, else in the plane of the picture. */
+    /**
+     * Begins to drag by a handle, or freely: along z if points only move up, else in the plane of
+     * the picture.
+     */
     grab(handle: Handle, pointer: Point2, at: Vector3 = this.place): void {
         const kept = handle === "free" && this.kind === "up" ? "z" : handle;
         this.grabbed = { handle: kept, at: this.viewport.toScene(at), pointer, value: [0, 0, 0] };
@@ -114,12 +133,18 @@ export class Gizmo {
         this.grabbed = null;
     }
 
-    /** How far the grabbed place has come: data units in page coordinates, or slopes in x and y when tilting. */
+    /**
+     * How far the grabbed place has come: data units in page coordinates, or slopes in x and y when
+     * tilting.
+     */
     dragged(pointer: Point2): Vector3 {
         const grabbed = this.grabbed;
         if (!grabbed) return [0, 0, 0];
         const { handle, at } = grabbed;
-        if (handle === "free") return this.viewport.toPage(this.inPlane(at, pointer).map((p, i) => p - at[i]) as Vector3);
+        if (handle === "free")
+            return this.viewport.toPage(
+                this.inPlane(at, pointer).map((p, i) => p - at[i]) as Vector3,
+            );
         const tilting = handle.startsWith("tilt");
         const axis = tilting ? axes.z : axes[axisName(handle)];
         const moved = this.along(at, axis, pointer) - this.along(at, axis, grabbed.pointer);
@@ -134,18 +159,27 @@ export class Gizmo {
 
     private along(at: Vector3, axis: Vector3, pointer: Point2): number {
         const ray = this.viewport.ray(pointer);
-        const middle = this.viewport.ray({ x: this.viewport.width / 2, y: this.viewport.height / 2 });
+        const middle = this.viewport.ray({
+            x: this.viewport.width / 2,
+            y: this.viewport.height / 2,
+        });
         // Seen along the axis nothing can be aimed at: then the pointer's height counts.
-        if (Math.abs(dot(middle.direction, axis)) > 0.97) return -pointer.y * unitsPerPixel(this.viewport.camera, this.viewport.height);
+        if (Math.abs(dot(middle.direction, axis)) > 0.97)
+            return -pointer.y * unitsPerPixel(this.viewport.camera, this.viewport.height);
         return alongAxis(at, axis, ray);
     }
 
     private inPlane(at: Vector3, pointer: Point2): Vector3 {
-        const facing = this.viewport.ray({ x: this.viewport.width / 2, y: this.viewport.height / 2 }).direction;
+        const facing = this.viewport.ray({
+            x: this.viewport.width / 2,
+            y: this.viewport.height / 2,
+        }).direction;
         const grabbed = this.grabbed as { pointer: Point2 };
         const hit = (where: Point2): Vector3 => {
             const ray = this.viewport.ray(where);
-            const t = dot(at.map((p, i) => p - ray.origin[i]) as Vector3, facing) / dot(ray.direction, facing);
+            const t =
+                dot(at.map((p, i) => p - ray.origin[i]) as Vector3, facing) /
+                dot(ray.direction, facing);
             return ray.origin.map((o, i) => o + t * ray.direction[i]) as Vector3;
         };
         const [now, before] = [hit(pointer), hit(grabbed.pointer)];
@@ -154,10 +188,13 @@ export class Gizmo {
 
     private pixelsFrom(handle: Handle, pointer: Point2): number {
         const axis = axes[axisName(handle)];
-        const [from, to] = [this.scenePlace, this.scenePlace.map((p, i) => p + axis[i] * this.scale) as Vector3]
-            .map((p) => this.viewport.projectPoint(this.viewport.toPage(p)));
+        const [from, to] = [
+            this.scenePlace,
+            this.scenePlace.map((p, i) => p + axis[i] * this.scale) as Vector3,
+        ].map((p) => this.viewport.projectPoint(this.viewport.toPage(p)));
         const [dx, dy] = [to[0] - from[0], to[1] - from[1]];
-        const along = ((pointer.x - from[0]) * dx + (pointer.y - from[1]) * dy) / (dx * dx + dy * dy || 1);
+        const along =
+            ((pointer.x - from[0]) * dx + (pointer.y - from[1]) * dy) / (dx * dx + dy * dy || 1);
         // The root belongs to the point that is selected, not to an arrow.
         if (along < 0.2) return Infinity;
         const t = Math.min(1.05, along);

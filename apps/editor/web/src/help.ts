@@ -3,7 +3,13 @@
 import { button, el } from "./dom";
 import { shortcutGroups } from "./shortcuts";
 
-const symbols: Record<string, string> = { Left: "\u2190", Right: "\u2192", Up: "\u2191", Down: "\u2193", Escape: "Esc" };
+const symbols: Record<string, string> = {
+    Left: "\u2190",
+    Right: "\u2192",
+    Up: "\u2191",
+    Down: "\u2193",
+    Escape: "Esc",
+};
 
 const mouse: readonly [string, string][] = [
     ["Drag", "Orbit; drag a point or an arrow to move the selection"],
@@ -30,13 +36,25 @@ export class Help {
     readonly element = el("dialog", { class: "help", "aria-labelledby": "help-title" });
 
     constructor() {
-        const groups = shortcutGroups.map(({ title, shortcuts }) => group(title, shortcuts.map(({ keys, label }) => {
-            const caps = el("span", { class: "keys" }, ...keys.map(keyCaps));
-            return [caps, label] as [Node, string];
-        })));
-        const pointer = group("Pointer", mouse.map(([keys, label]) => [el("span", { class: "keys" }, keys), label]));
-        const head = el("header", {}, el("h2", { id: "help-title" }, "Keyboard and pointer"),
-            button("\u00d7", () => this.close(), { class: "quiet", "aria-label": "Close" }));
+        const groups = shortcutGroups.map(({ title, shortcuts }) =>
+            group(
+                title,
+                shortcuts.map(({ keys, label }) => {
+                    const caps = el("span", { class: "keys" }, ...keys.map(keyCaps));
+                    return [caps, label] as [Node, string];
+                }),
+            ),
+        );
+        const pointer = group(
+            "Pointer",
+            mouse.map(([keys, label]) => [el("span", { class: "keys" }, keys), label]),
+        );
+        const head = el(
+            "header",
+            {},
+            el("h2", { id: "help-title" }, "Keyboard and pointer"),
+            button("\u00d7", () => this.close(), { class: "quiet", "aria-label": "Close" }),
+        );
         this.element.append(head, el("div", { class: "columns" }, ...groups, pointer));
         this.element.addEventListener("click", (event) => {
             if (event.target === this.element) this.close();

@@ -28,7 +28,10 @@ export interface EditorHook {
     pixelOf(name: number): { x: number; y: number } | null;
     /** Pixels of the viewport where a point in page coordinates lies. */
     project(point: Vector3): { x: number; y: number };
-    /** Resolves when nothing is pending and a picture of it was drawn. */
+    /**
+     * Resolves when nothing is pending and a picture of it was drawn; rejects when the connection
+     * is closed.
+     */
     idle(): Promise<void>;
 }
 
@@ -50,6 +53,19 @@ function nextFrame(): Promise<void> {
     return new Promise((resolve) => requestAnimationFrame(() => resolve()));
 }
 
+/**
+ * A picture may ask for finer tiles, and an answer for a picture: idle means settled for two
+ * frames.
+ */
+async function idle(session: Session, settled: () => boolean): Promise<void> {
+    for (let quiet = 0; quiet < 2; ) {
+        if (session.isClosed) throw new Error("the connection is closed");
+        if (settled()) await session.fence();
+        await nextFrame();
+        quiet = settled() ? quiet + 1 : 0;
+    }
+}
+
 export function installHook({ store, session, viewport, net, messages }: HookParts): void {
     const settled = () => store.state.hello !== null && session.pending === 0 && viewport.drawn;
     const project = (point: Vector3) => {
@@ -57,32 +73,53 @@ export function installHook({ store, session, viewport, net, messages }: HookPar
         return { x, y };
     };
     window.editor = {
-        get state() { return store.state; },
-        get file() { return store.state.hello; },
-        get level() { return store.state.level; },
-        get kind() { return store.state.hello?.kind ?? null; },
-        get revision() { return store.state.revision; },
-        get selection() { return [...store.state.selection].sort((a, b) => a - b); },
-        get camera() { return viewport.camera; },
-        get tiles() { return session.shape instanceof Terrain ? session.shape.shownTiles.map(tileKey).sort() : []; },
-        get counts() {
-            return { triangles: session.shape?.triangles ?? 0, netPoints: net.count, frames: viewport.frames };
+        get state() {
+            return store.state;
         },
-        get hash() { return { surface: session.shape?.hash() ?? "", net: net.hash() }; },
-        get pending() { return session.pending; },
-        get messages() { return messages.texts; },
+        get file() {
+            return store.state.hello;
+        },
+        get level() {
+            return store.state.level;
+        },
+        get kind() {
+            return store.state.hello?.kind ?? null;
+        },
+        get revision() {
+            return store.state.revision;
+        },
+        get selection() {
+            return [...store.state.selection].sort((a, b) => a - b);
+        },
+        get camera() {
+            return viewport.camera;
+        },
+        get tiles() {
+            return session.shape instanceof Terrain
+                ? session.shape.shownTiles.map(tileKey).sort()
+                : [];
+        },
+        get counts() {
+            return {
+                triangles: session.shape?.triangles ?? 0,
+                netPoints: net.count,
+                frames: viewport.frames,
+            };
+        },
+        get hash() {
+            return { surface: session.shape?.hash() ?? "", net: net.hash() };
+        },
+        get pending() {
+            return session.pending;
+        },
+        get messages() {
+            return messages.texts;
+        },
         pixelOf(name) {
             const [place] = net.placesOf([name]);
             return place === undefined ? null : project(net.pointAt(place));
         },
         project,
-        async idle() {
-            // A picture may ask for finer tiles, and an answer may ask for a picture: settled means so for two frames.
-            for (let quiet = 0; quiet < 2;) {
-                if (settled()) await session.fence();
-                await nextFrame();
-                quiet = settled() ? quiet + 1 : 0;
-            }
-        },
+        idle: () => idle(session, settled),
     };
 }

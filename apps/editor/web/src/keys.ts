@@ -6,10 +6,14 @@ import { actionOf, belongsToControl } from "./shortcuts";
 export function listenToKeys(actions: Actions): void {
     document.addEventListener("keydown", (event) => {
         const target = event.target instanceof HTMLElement ? event.target : document.body;
-        const control = { tag: target.tagName, type: target instanceof HTMLInputElement ? target.type : "" };
+        const control = {
+            tag: target.tagName,
+            type: target instanceof HTMLInputElement ? target.type : "",
+        };
         const action = actionOf(event);
         if (!action || belongsToControl(event, control)) return;
-        if (document.querySelector("dialog[open]") && action !== "help" && action !== "none") return;
+        if (document.querySelector("dialog[open]") && action !== "help" && action !== "none")
+            return;
         event.preventDefault();
         actions.run(action);
     });

@@ -7,7 +7,8 @@ export class LatestSender<T> {
 
     constructor(
         private readonly send: (value: T) => Promise<unknown>,
-        private readonly nextFrame: (call: () => void) => void = (call) => void requestAnimationFrame(call),
+        private readonly nextFrame: (call: () => void) => void = (call) =>
+            void requestAnimationFrame(call),
     ) {}
 
     /** Takes the place of what was offered before and has not been sent. */

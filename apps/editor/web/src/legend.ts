@@ -21,7 +21,9 @@ function tickTexts(values: readonly number[]): string[] {
     const step = values.length > 1 ? Math.abs(values[1] - values[0]) : 1;
     const largest = Math.max(...values.map(Math.abs));
     const digits = Math.max(2, Math.ceil(Math.log10(Math.max(largest / step, 1))) + 1);
-    return values.map((value) => format.number(Math.abs(value) < step * 1e-9 ? 0 : value, Math.max(digits, 4)));
+    return values.map((value) =>
+        format.number(Math.abs(value) < step * 1e-9 ? 0 : value, Math.max(digits, 4)),
+    );
 }
 
 /** Draws the legend into a rectangle of legendWidth x legendHeight at the origin. */
@@ -45,7 +47,7 @@ export function drawLegend(context: CanvasRenderingContext2D, scale: Scale, ink:
         const x = margin + (width * (value - low)) / (high - low || 1);
         context.fillRect(Math.round(x), barTop + barHeight, 1, 4);
         const half = context.measureText(texts[i]).width / 2;
-        const middle = Math.min(legendWidth - half - 2, Math.max(half + 2, x));
+        const middle = Math.min(legendWidth - half - 8, Math.max(half + 8, x));
         if (middle - half < free) return;
         context.fillText(texts[i], middle - half, barTop + barHeight + 16);
         free = middle + half + 8;
@@ -61,8 +63,13 @@ export class Legend {
         this.element.hidden = scale === null;
         if (!scale) return;
         const unit = scale.unit;
-        this.element.setAttribute("aria-label", `${scale.title}: colours from ${
-            format.measured(scale.low + scale.offset, unit)} to ${format.measured(scale.high + scale.offset, unit)}`);
+        this.element.setAttribute(
+            "aria-label",
+            `${scale.title}: colours from ${format.measured(
+                scale.low + scale.offset,
+                unit,
+            )} to ${format.measured(scale.high + scale.offset, unit)}`,
+        );
         const ratio = Math.min(window.devicePixelRatio, 2);
         this.element.width = legendWidth * ratio;
         this.element.height = legendHeight * ratio;
@@ -71,7 +78,10 @@ export class Legend {
         const context = this.element.getContext("2d") as CanvasRenderingContext2D;
         context.scale(ratio, ratio);
         const style = getComputedStyle(document.documentElement);
-        drawLegend(context, scale, { text: style.getPropertyValue("--text").trim(), font: "system-ui, sans-serif" });
+        drawLegend(context, scale, {
+            text: style.getPropertyValue("--text").trim(),
+            font: "system-ui, sans-serif",
+        });
     }
 
     /** After a change of theme. */

@@ -31,6 +31,18 @@ function socketAddress(): string {
     return address.href;
 }
 
+/** In the title, and when the page is left. */
+function warnOfUnsaved(store: Store): void {
+    store.watch(["hello", "history", "savedAt"], ({ hello, history, savedAt }) => {
+        document.title = hello
+            ? `${history.done === savedAt ? "" : "\u2022 "}${hello.name} \u2013 relief`
+            : "relief";
+    });
+    window.addEventListener("beforeunload", (event) => {
+        if (store.state.history.done !== store.state.savedAt) event.preventDefault();
+    });
+}
+
 function start(): void {
     const stage = document.getElementById("stage") as HTMLElement;
     const canvas = document.getElementById("canvas") as HTMLCanvasElement;
@@ -44,12 +56,13 @@ function start(): void {
     viewport.world.add(net.object);
     viewport.scene.add(gizmo.object);
     const drape = new Drape(store, viewport);
-    const session = new Session(socketAddress(), { store, viewport, net, material, messages, drape });
+    const parts = { store, viewport, net, material, messages, drape };
+    const session = new Session(socketAddress(), parts);
     const editing = new Editing(store, session, viewport, net, gizmo);
     const appearance = new Appearance(store, session, viewport, material, net, drape);
     const pointer = new Pointer(viewport, store, session, editing, gizmo);
     const help = new Help();
-    const actions = new Actions({ store, session, viewport, net, editing, pointer, appearance, help, theme });
+    const actions = new Actions({ ...parts, session, editing, pointer, appearance, help, theme });
 
     const status = new StatusBar(store, session, viewport);
     pointer.onHover((place) => status.follow(place));
@@ -60,15 +73,15 @@ function start(): void {
         legend.redraw();
     });
     stage.append(legend.element, axesCross(viewport), messages.element);
-    document.body.append(buildPanel({ store, actions }, theme, help), status.element, help.element, dropZones(store, actions));
+    document.body.append(
+        buildPanel({ store, actions }, theme, help),
+        status.element,
+        help.element,
+        dropZones(store, actions),
+    );
     listenToKeys(actions);
-    store.watch(["hello", "history", "savedAt"], ({ hello, history, savedAt }) => {
-        document.title = hello ? `${history.done === savedAt ? "" : "\u2022 "}${hello.name} \u2013 relief` : "relief";
-    });
-    window.addEventListener("beforeunload", (event) => {
-        if (store.state.history.done !== store.state.savedAt) event.preventDefault();
-    });
-    installHook({ store, session, viewport, net, messages });
+    warnOfUnsaved(store);
+    installHook({ ...parts, session });
 }
 
 function canDraw(): boolean {
@@ -76,4 +89,11 @@ function canDraw(): boolean {
 }
 
 if (canDraw()) start();
-else document.body.append(el("p", { class: "fatal", role: "alert" }, "This page needs WebGL 2, which this browser does not offer."));
+else
+    document.body.append(
+        el(
+            "p",
+            { class: "fatal", role: "alert" },
+            "This page needs WebGL 2, which this browser does not offer.",
+        ),
+    );

@@ -11,7 +11,10 @@ export class MeshSurface implements Shape {
     private readonly mesh: THREE.Mesh;
     private readonly edges: THREE.LineSegments;
 
-    constructor(private readonly viewport: Viewport, material: SurfaceMaterial) {
+    constructor(
+        private readonly viewport: Viewport,
+        material: SurfaceMaterial,
+    ) {
         this.mesh = new THREE.Mesh(new THREE.BufferGeometry(), material);
         const line = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.55 });
         this.edges = new THREE.LineSegments(new THREE.BufferGeometry(), line);
@@ -70,7 +73,9 @@ export class MeshSurface implements Shape {
         const normal = requiredArray(frame, "normal", "i16", 4, vertices);
         const index = requiredArray(frame, "index", "u32", 1);
         const line = optionalArray(frame, "line", "u32", 2) ?? new Uint32Array();
-        const value = optionalArray(frame, "error", "f32", 1, vertices) ?? optionalArray(frame, "curvature", "f32", 1, vertices);
+        const value =
+            optionalArray(frame, "error", "f32", 1, vertices) ??
+            optionalArray(frame, "curvature", "f32", 1, vertices);
         checkIndices("a triangle", index, vertices);
         checkIndices("an edge", line, vertices);
         const geometry = new THREE.BufferGeometry();
@@ -99,18 +104,24 @@ export class MeshSurface implements Shape {
             const attribute = geometry.getAttribute(name) as THREE.BufferAttribute | undefined;
             if (!source || !attribute) return;
             const target = attribute.array as Float32Array;
-            at.forEach((vertex, i) => target.set(source.subarray(width * i, width * i + width), width * vertex));
+            at.forEach((vertex, i) =>
+                target.set(source.subarray(width * i, width * i + width), width * vertex),
+            );
             attribute.needsUpdate = true;
         };
         write("position", optionalArray(frame, "position", "f32", 3, at.length), 3);
         write("normal", optionalArray(frame, "normal", "i16", 4, at.length), 4);
-        const value = optionalArray(frame, "error", "f32", 1, at.length) ?? optionalArray(frame, "curvature", "f32", 1, at.length);
+        const value =
+            optionalArray(frame, "error", "f32", 1, at.length) ??
+            optionalArray(frame, "curvature", "f32", 1, at.length);
         write("value", value, 1);
         this.measure();
     }
 
     private measure(): void {
-        const box = new THREE.Box3().setFromArray(this.mesh.geometry.getAttribute("position").array);
+        const box = new THREE.Box3().setFromArray(
+            this.mesh.geometry.getAttribute("position").array,
+        );
         for (const geometry of [this.mesh.geometry, this.edges.geometry]) {
             geometry.boundingBox = box;
             geometry.boundingSphere = box.getBoundingSphere(new THREE.Sphere());

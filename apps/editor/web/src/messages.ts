@@ -5,7 +5,12 @@ import { button, el } from "./dom";
 const noticeMilliseconds = 6000;
 
 export class Messages {
-    readonly element = el("div", { class: "messages", role: "log", "aria-label": "Messages", "aria-live": "polite" });
+    readonly element = el("div", {
+        class: "messages",
+        role: "log",
+        "aria-label": "Messages",
+        "aria-live": "polite",
+    });
 
     /** Stays until it is dismissed. The same message is shown once. */
     error(text: string): void {
@@ -30,8 +35,14 @@ export class Messages {
         for (const item of this.element.children) {
             if (item.querySelector("p")?.textContent === text) item.remove();
         }
-        const item = el("div", { class: `message ${kind}`, role: kind === "error" ? "alert" : "status" }, el("p", {}, text));
-        item.append(button("\u00d7", () => item.remove(), { class: "quiet", "aria-label": "Dismiss" }));
+        const item = el(
+            "div",
+            { class: `message ${kind}`, role: kind === "error" ? "alert" : "status" },
+            el("p", {}, text),
+        );
+        item.append(
+            button("\u00d7", () => item.remove(), { class: "quiet", "aria-label": "Dismiss" }),
+        );
         this.element.append(item);
         return item;
     }

@@ -21,7 +21,11 @@ function around(place: number, size: number): [first: number, length: number] {
 }
 
 /** The window around the camera's target, or null if the net comes whole. */
-export function netWindow(hello: Hello, info: LevelInfo | undefined, target: Vector3): NetWindow | null {
+export function netWindow(
+    hello: Hello,
+    info: LevelInfo | undefined,
+    target: Vector3,
+): NetWindow | null {
     if (!info?.rows || !info.cols || info.rows * info.cols <= wholeNet) return null;
     const [row, col] = placeOn(hello, info.level, target);
     const [firstRow, rows] = around(row, info.rows);
@@ -29,9 +33,20 @@ export function netWindow(hello: Hello, info: LevelInfo | undefined, target: Vec
     return [firstRow, firstCol, rows, cols];
 }
 
-/** Whether the target has come so near to the window's border that another one would show more around it. */
-export function windowLeft(hello: Hello, level: number, window: NetWindow, target: Vector3): boolean {
+/**
+ * Whether the target has come so near to the window's border that another one would show more
+ * around it.
+ */
+export function windowLeft(
+    hello: Hello,
+    level: number,
+    window: NetWindow,
+    target: Vector3,
+): boolean {
     const info = hello.levels.find((entry) => entry.level === level);
     const next = netWindow(hello, info, target);
-    return next !== null && (Math.abs(next[0] - window[0]) > side / 4 || Math.abs(next[1] - window[1]) > side / 4);
+    return (
+        next !== null &&
+        (Math.abs(next[0] - window[0]) > side / 4 || Math.abs(next[1] - window[1]) > side / 4)
+    );
 }

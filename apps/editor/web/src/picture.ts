@@ -24,7 +24,10 @@ export function savePicture(viewport: Viewport, scale: Scale | null, hello: Hell
         context.fillStyle = style.getPropertyValue("--panel").trim();
         context.fillRect(0, 0, legendWidth, legendHeight);
         context.globalAlpha = 1;
-        drawLegend(context, scale, { text: style.getPropertyValue("--text").trim(), font: "system-ui, sans-serif" });
+        drawLegend(context, scale, {
+            text: style.getPropertyValue("--text").trim(),
+            font: "system-ui, sans-serif",
+        });
     }
     canvas.toBlob((blob) => {
         if (blob) saveBlob(blob, `${(hello?.name ?? "surface").replace(/\.[^.]*$/, "")}.png`);

@@ -40,10 +40,14 @@ export class Pointer {
         canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
         canvas.addEventListener("dblclick", (event) => this.lookAt(this.at(event)));
         canvas.addEventListener("contextmenu", (event) => event.preventDefault());
-        store.watch(["boxSelecting"], (state) => canvas.classList.toggle("crosshair", state.boxSelecting));
+        store.watch(["boxSelecting"], (state) =>
+            canvas.classList.toggle("crosshair", state.boxSelecting),
+        );
     }
 
-    /** Calls with the place of a pointer that rests or moves freely, and with null when it leaves. */
+    /**
+     * Calls with the place of a pointer that rests or moves freely, and with null when it leaves.
+     */
     onHover(call: (pointer: Point2 | null) => void): void {
         this.watchers.push(call);
     }
@@ -147,7 +151,8 @@ export class Pointer {
     /** A point that is pulled away from where it was pressed is dragged, selected or not. */
     private dragPoint(pointer: Point2, shift: boolean): void {
         if (!this.travelled(pointer)) return;
-        if (!this.editing.isSelected(this.pressedPlace)) this.editing.select(this.pressedPlace, shift);
+        if (!this.editing.isSelected(this.pressedPlace))
+            this.editing.select(this.pressedPlace, shift);
         const tilting = this.store.state.tool === "tilt";
         const begun = !tilting && this.editing.begin("free", this.start, this.pressedPlace);
         this.mode = begun ? "drag" : "orbit";
@@ -159,7 +164,8 @@ export class Pointer {
         const mode = this.mode;
         this.mode = "idle";
         if (mode === "pressed") this.editing.select(this.pressedPlace, event.shiftKey);
-        if (mode === "orbit" && !this.travelled(pointer) && !event.shiftKey) this.editing.selectNone();
+        if (mode === "orbit" && !this.travelled(pointer) && !event.shiftKey)
+            this.editing.selectNone();
         if (mode === "drag") this.editing.commit();
         if (mode === "box") {
             this.rubber.hidden = true;
@@ -182,7 +188,13 @@ export class Pointer {
 
     private zoom(factor: number, pointer: Point2): void {
         const { camera, width, height } = this.viewport;
-        this.viewport.camera = zoomed(camera, factor, pointer.x - width / 2, pointer.y - height / 2, height);
+        this.viewport.camera = zoomed(
+            camera,
+            factor,
+            pointer.x - width / 2,
+            pointer.y - height / 2,
+            height,
+        );
     }
 
     private pinch(id: number, pointer: Point2): void {
@@ -191,7 +203,10 @@ export class Pointer {
         this.touches.set(id, pointer);
         if (!before || !other) return;
         const distance = (p: Point2) => Math.hypot(p.x - other.x, p.y - other.y) || 1;
-        this.zoom(distance(before) / distance(pointer), { x: (pointer.x + other.x) / 2, y: (pointer.y + other.y) / 2 });
+        this.zoom(distance(before) / distance(pointer), {
+            x: (pointer.x + other.x) / 2,
+            y: (pointer.y + other.y) / 2,
+        });
         const [dx, dy] = [(pointer.x - before.x) / 2, (pointer.y - before.y) / 2];
         this.viewport.camera = panned(this.viewport.camera, dx, dy, this.viewport.height);
     }
@@ -200,7 +215,10 @@ export class Pointer {
         const { left, top, right, bottom } = boxOf(this.start, pointer);
         this.rubber.hidden = false;
         Object.assign(this.rubber.style, {
-            left: `${left}px`, top: `${top}px`, width: `${right - left}px`, height: `${bottom - top}px`,
+            left: `${left}px`,
+            top: `${top}px`,
+            width: `${right - left}px`,
+            height: `${bottom - top}px`,
         });
     }
 
@@ -208,6 +226,7 @@ export class Pointer {
     private lookAt(pointer: Point2): void {
         const object = this.session.shape?.object;
         const hit = object && this.viewport.hit(pointer, object);
-        if (hit) this.viewport.camera = { ...this.viewport.camera, target: this.viewport.toScene(hit) };
+        if (hit)
+            this.viewport.camera = { ...this.viewport.camera, target: this.viewport.toScene(hit) };
     }
 }

@@ -136,7 +136,10 @@ export interface SaveAnswer extends Answer {
     bytes: number;
 }
 
-/** Whether control points move up and down only: their other coordinates are fixed by the lattice or the mesh. */
+/**
+ * Whether control points move up and down only: their other coordinates are fixed by the lattice or
+ * the mesh.
+ */
 export function movesOnlyUp(hello: Hello): boolean {
     return !hello.parametric && hello.components !== 3;
 }

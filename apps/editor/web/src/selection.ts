@@ -52,10 +52,15 @@ export function placesInBox(projected: Projected, box: Box): number[] {
 }
 
 /**
- * The place of the point nearest to the pointer within `reach` pixels and no deeper than `deepest`, or -1. Of points on
- * one pixel the front one.
+ * The place of the point nearest to the pointer within `reach` pixels and no deeper than `deepest`,
+ * or -1. Of points on one pixel the front one.
  */
-export function placeUnder(projected: Projected, pointer: Point2, reach: number, deepest = Infinity): number {
+export function placeUnder(
+    projected: Projected,
+    pointer: Point2,
+    reach: number,
+    deepest = Infinity,
+): number {
     let best = -1;
     let bestDistance = reach;
     let bestDepth = Infinity;
@@ -84,10 +89,18 @@ export function grown(net: Adjacency, places: Iterable<number>): number[] {
     return [...result].sort((a, b) => a - b);
 }
 
-/** The neighbour of `place` that lies most nearly in a direction on the screen (y downwards), or -1 if none does. */
-export function neighbourTowards(net: Adjacency, projected: Projected, place: number, direction: Point2): number {
+/**
+ * The neighbour of `place` that lies most nearly in a direction on the screen (y downwards), or -1
+ * if none does.
+ */
+export function neighbourTowards(
+    net: Adjacency,
+    projected: Projected,
+    place: number,
+    direction: Point2,
+): number {
     let best = -1;
-    let bestCosine = 0.3;  // About 70 degrees: a key never moves backwards or sideways.
+    let bestCosine = 0.3; // About 70 degrees: a key never moves backwards or sideways.
     for (let i = net.first[place]; i < net.first[place + 1]; ++i) {
         const target = net.targets[i];
         if (Number.isNaN(projected[3 * target + 2])) continue;

@@ -4,18 +4,25 @@ import { Connection, failureOf, Refusal } from "./connection";
 import type { ControlNet } from "./control_net";
 import type { Drape } from "./drape";
 import { saveBlob } from "./dom";
-import { roundUp } from "./format";
 import { FrameError, type Frame } from "./frame";
 import { MeshSurface } from "./mesh_surface";
 import type { Messages } from "./messages";
-import { movesOnlyUp } from "./protocol";
 import type {
-    Answer, Changed, CompressAnswer, Edit, ErrorsAnswer, Extra, Hello, SaveAnswer, ServerEvent,
+    Answer,
+    Changed,
+    CompressAnswer,
+    Edit,
+    ErrorsAnswer,
+    Extra,
+    Hello,
+    SaveAnswer,
+    ServerEvent,
 } from "./protocol";
 import { netWindow, windowLeft, type NetWindow } from "./net_window";
 import type { ExportFormat } from "./panel/file_section";
 import type { Shape } from "./shape";
-import type { Store, State } from "./store";
+import { startState } from "./start_state";
+import type { Store } from "./store";
 import type { SurfaceMaterial } from "./surface_material";
 import { Terrain } from "./terrain";
 import type { Viewport } from "./viewport";
@@ -27,49 +34,6 @@ export interface Parts {
     material: SurfaceMaterial;
     messages: Messages;
     drape: Drape;
-}
-
-/** Nets of more points are not chosen by themselves. */
-const handyNet = 4000;
-
-/** The exaggeration that makes heights a tenth to a half of the width, or 1 if they are: a round number. */
-function handyExaggeration(hello: Hello): number {
-    const [wide, deep, high] = hello.max.map((m, i) => m - hello.min[i]);
-    const ratio = high / Math.max(wide, deep);
-    if (!movesOnlyUp(hello) || !(ratio > 0)) return 1;
-    if (ratio < 0.04) return roundUp(0.05 / ratio);
-    return ratio > 0.6 ? 1 / roundUp(ratio / 0.5) : 1;
-}
-
-function startState(hello: Hello): Partial<State> {
-    const height = hello.max[2] - hello.min[2];
-    const handy = hello.levels.find((level) => level.control_points <= handyNet);
-    return {
-        hello,
-        bounds: { min: hello.min, max: hello.max },
-        connected: true,
-        revision: hello.revision,
-        history: hello.history,
-        savedAt: hello.history.done,
-        level: hello.levels[0]?.level ?? 0,
-        netLevel: (handy ?? hello.levels[hello.levels.length - 1])?.level ?? 0,
-        shown: "edited",
-        colouring: hello.kind === "raster" && !hello.parametric ? "height" : "plain",
-        surface: true,
-        net: false,
-        exaggeration: handyExaggeration(hello),
-        drape: "none",
-        tool: "move",
-        boxSelecting: false,
-        selection: new Set(),
-        step: roundUp(height / 200),
-        delta: [0, 0, 0],
-        slope: [0, 0],
-        bound: hello.bound ?? roundUp(height / 2000),
-        compressed: null,
-        errors: null,
-        busy: "",
-    };
 }
 
 export class Session {
@@ -88,7 +52,10 @@ export class Session {
     /** Requests over HTTP that are not answered. */
     private transfers = 0;
 
-    constructor(address: string, private readonly parts: Parts) {
+    constructor(
+        address: string,
+        private readonly parts: Parts,
+    ) {
         this.connection = new Connection(address, {
             event: (event) => this.event(event),
             frame: (frame) => this.frame(frame),
@@ -104,6 +71,10 @@ export class Session {
             this.followWindow();
             this.shape?.prepare();
         });
+    }
+
+    get isClosed(): boolean {
+        return this.connection.isClosed;
     }
 
     get pending(): number {
@@ -129,10 +100,14 @@ export class Session {
         return this.send(edit);
     }
 
-    /** Everything that was sent before is answered, and what it changed has come: an empty question comes back. */
+    /**
+     * Everything that was sent before is answered, and what it changed has come: an empty question
+     * comes back.
+     */
     async fence(): Promise<void> {
         // Kinds without tiles refuse it, which is an answer too.
-        if (this.parts.store.state.connected) await this.connection.send({ ask: "forget", tiles: [] }).catch(() => null);
+        if (this.parts.store.state.connected)
+            await this.connection.send({ ask: "forget", tiles: [] }).catch(() => null);
     }
 
     async save(): Promise<void> {
@@ -148,7 +123,10 @@ export class Session {
         store.set({ busy: `Opening ${file.name} \u2026` });
         ++this.transfers;
         try {
-            const response = await fetch(`open?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });
+            const response = await fetch(`open?name=${encodeURIComponent(file.name)}`, {
+                method: "POST",
+                body: file,
+            });
             if (!response.ok) throw new Refusal(await failureOf(response));
             messages.clear();
         } catch (reason) {
@@ -191,10 +169,14 @@ export class Session {
         const number = ++this.lastCompress;
         store.set({ busy: "Compressing \u2026" });
         try {
-            const answer = await this.connection.send<CompressAnswer>({ ask: "compress", max_error: store.state.bound });
+            const answer = await this.connection.send<CompressAnswer>({
+                ask: "compress",
+                max_error: store.state.bound,
+            });
             if (number === this.lastCompress) this.compressed(answer, show);
         } catch (reason) {
-            if (!(reason instanceof Refusal && reason.failure?.code === "cancelled")) this.failed(reason);
+            if (!(reason instanceof Refusal && reason.failure?.code === "cancelled"))
+                this.failed(reason);
         }
         if (number === this.lastCompress) store.set({ busy: "" });
     }
@@ -237,7 +219,10 @@ export class Session {
 
     private hello(hello: Hello): void {
         const { store, viewport, net, material, messages, drape } = this.parts;
-        if (hello.protocol !== 1) messages.error(`The server speaks version ${hello.protocol} of the protocol, this page 1.`);
+        if (hello.protocol !== 1)
+            messages.error(
+                `The server speaks version ${hello.protocol} of the protocol, this page 1.`,
+            );
         this.shape?.dispose();
         this.shape?.object.removeFromParent();
         this.shape = null;
@@ -261,7 +246,9 @@ export class Session {
         viewport.setBounds(changed.min, changed.max);
         store.set({
             bounds: { min: changed.min, max: changed.max },
-            revision: changed.revision, history: changed.history, compressed: null,
+            revision: changed.revision,
+            history: changed.history,
+            compressed: null,
         });
         if (store.state.shown === "compressed") store.set({ shown: "edited" });
         if (store.state.colouring === "error") void this.measureErrors();
@@ -287,7 +274,9 @@ export class Session {
 
     private closed(): void {
         this.parts.store.set({ connected: false, busy: "" });
-        this.parts.messages.error("The connection to the program is lost. Start it again, then open the address that it prints.");
+        this.parts.messages.error(
+            "The connection to the program is lost. Start it again and open the address it prints.",
+        );
     }
 
     /** Tells the server what is shown, if that has changed; one question at a time. */
@@ -296,9 +285,14 @@ export class Session {
         if (!state.hello || !state.connected || this.viewBusy) return;
         const raster = state.hello.raster !== undefined;
         const withNet = state.net && !raster;
-        const extras: Extra[] = state.colouring === "error" || state.colouring === "curvature" ? [state.colouring] : [];
+        const extras: Extra[] =
+            state.colouring === "error" || state.colouring === "curvature" ? [state.colouring] : [];
         const view = {
-            ask: "view", level: state.level, show: state.shown, with: extras, net: withNet,
+            ask: "view",
+            level: state.level,
+            show: state.shown,
+            with: extras,
+            net: withNet,
             ...(withNet ? { net_level: state.netLevel } : {}),
         };
         const key = JSON.stringify(view);
@@ -326,7 +320,11 @@ export class Session {
         }
         const info = hello.levels.find((level) => level.level === netLevel);
         this.window = netWindow(hello, info, viewport.camera.target);
-        const question = { ask: "net", level: netLevel, ...(this.window ? { window: this.window } : {}) };
+        const question = {
+            ask: "net",
+            level: netLevel,
+            ...(this.window ? { window: this.window } : {}),
+        };
         const key = JSON.stringify([question, shown]);
         if (key === this.netAsked) return;
         this.netAsked = key;
@@ -337,7 +335,8 @@ export class Session {
     private followWindow(): void {
         const { hello, net, netLevel } = this.parts.store.state;
         if (!hello || !net || !this.window) return;
-        if (windowLeft(hello, netLevel, this.window, this.parts.viewport.camera.target)) this.updateNet();
+        if (windowLeft(hello, netLevel, this.window, this.parts.viewport.camera.target))
+            this.updateNet();
     }
 
     private async measureErrors(): Promise<void> {

@@ -1,13 +1,56 @@
 // All keys, in one table: what handles them, the help overlay and the documentation read it.
 
 export type Action =
-    | "frame" | "top" | "front" | "side" | "home" | "zoomIn" | "zoomOut"
-    | "orbitLeft" | "orbitRight" | "orbitUp" | "orbitDown" | "panLeft" | "panRight" | "panUp" | "panDown"
-    | "finer" | "coarser" | "netFiner" | "netCoarser"
-    | "surface" | "wireframe" | "net" | "original" | "drape" | "colour"
-    | "box" | "all" | "none" | "grow" | "left" | "right" | "up" | "down"
-    | "moveLeft" | "moveRight" | "moveUp" | "moveDown" | "raise" | "lower" | "tilt" | "falloff" | "wider" | "narrower"
-    | "undo" | "redo" | "open" | "save" | "picture" | "help" | "theme";
+    | "frame"
+    | "top"
+    | "front"
+    | "side"
+    | "home"
+    | "zoomIn"
+    | "zoomOut"
+    | "orbitLeft"
+    | "orbitRight"
+    | "orbitUp"
+    | "orbitDown"
+    | "panLeft"
+    | "panRight"
+    | "panUp"
+    | "panDown"
+    | "finer"
+    | "coarser"
+    | "netFiner"
+    | "netCoarser"
+    | "surface"
+    | "wireframe"
+    | "net"
+    | "original"
+    | "drape"
+    | "colour"
+    | "box"
+    | "all"
+    | "none"
+    | "grow"
+    | "left"
+    | "right"
+    | "up"
+    | "down"
+    | "moveLeft"
+    | "moveRight"
+    | "moveUp"
+    | "moveDown"
+    | "raise"
+    | "lower"
+    | "tilt"
+    | "falloff"
+    | "wider"
+    | "narrower"
+    | "undo"
+    | "redo"
+    | "open"
+    | "save"
+    | "picture"
+    | "help"
+    | "theme";
 
 export interface Shortcut {
     action: Action;
@@ -87,7 +130,11 @@ export const shortcutGroups: readonly ShortcutGroup[] = [
             { action: "moveLeft", keys: ["Alt+Left"], label: "Move by \u2212x, or tilt" },
             { action: "moveRight", keys: ["Alt+Right"], label: "Move by +x, or tilt" },
             { action: "moveUp", keys: ["Alt+Up"], label: "Move by +y, or tilt; raise heights" },
-            { action: "moveDown", keys: ["Alt+Down"], label: "Move by \u2212y, or tilt; lower heights" },
+            {
+                action: "moveDown",
+                keys: ["Alt+Down"],
+                label: "Move by \u2212y, or tilt; lower heights",
+            },
             { action: "tilt", keys: ["T"], label: "Move or tilt control triangles" },
             { action: "falloff", keys: ["R"], label: "Falloff" },
             { action: "wider", keys: ["."], label: "Wider falloff" },
@@ -107,7 +154,9 @@ export interface KeyPress {
 }
 
 const byKeys = new Map(
-    shortcutGroups.flatMap((group) => group.shortcuts.flatMap((s) => s.keys.map((keys) => [keys, s.action] as const))),
+    shortcutGroups.flatMap((group) =>
+        group.shortcuts.flatMap((s) => s.keys.map((keys) => [keys, s.action] as const)),
+    ),
 );
 
 /** The press as the table writes it: "Ctrl+Shift+Z", "?", "PageUp". */
@@ -135,7 +184,11 @@ export function belongsToControl(press: KeyPress, control: { tag: string; type: 
         return name === "Ctrl+Z" && control.type === "text";
     }
     if (control.tag === "SELECT" || control.tag === "TEXTAREA") return true;
-    if (control.tag === "INPUT" && !["checkbox", "radio", "range", "button", "file"].includes(control.type)) return true;
+    if (
+        control.tag === "INPUT" &&
+        !["checkbox", "radio", "range", "button", "file"].includes(control.type)
+    )
+        return true;
     const plainKey = press.key.length > 1 && !press.ctrlKey && !press.altKey;
     return plainKey && ["INPUT", "BUTTON", "A", "SUMMARY"].includes(control.tag);
 }
@@ -144,7 +197,9 @@ export function belongsToControl(press: KeyPress, control: { tag: string; type: 
 export function shortcutsMarkdown(): string {
     const rows = shortcutGroups.flatMap((group) => [
         `| **${group.title}** | |`,
-        ...group.shortcuts.map(({ keys, label }) => `| ${keys.map((key) => `\`${key}\``).join(", ")} | ${label} |`),
+        ...group.shortcuts.map(
+            ({ keys, label }) => `| ${keys.map((key) => `\`${key}\``).join(", ")} | ${label} |`,
+        ),
     ]);
     return ["| keys | |", "|---|---|", ...rows].join("\n");
 }

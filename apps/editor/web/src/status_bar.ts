@@ -1,4 +1,5 @@
-// The line at the bottom: the value under the pointer, its place in the file's coordinates, level and counts.
+// The line at the bottom: the value under the pointer, its place in the file's coordinates, level
+// and counts.
 
 import { el } from "./dom";
 import * as format from "./format";
@@ -16,13 +17,26 @@ export class StatusBar {
     private readonly place = el("span", { id: "status-place" });
     private readonly busy = el("span", { class: "busy", role: "status" });
     private readonly counts = el("span", { class: "counts", id: "status-counts" });
-    readonly element = el("footer", { class: "status", "aria-label": "Status" }, this.value, this.place, this.busy, this.counts);
+    readonly element = el(
+        "footer",
+        { class: "status", "aria-label": "Status" },
+        this.value,
+        this.place,
+        this.busy,
+        this.counts,
+    );
     private timer = 0;
     private wanted: Point2 | null = null;
     private asking = false;
 
-    constructor(private readonly store: Store, private readonly session: Session, private readonly viewport: Viewport) {
-        store.watch(["busy"], (state) => { this.busy.textContent = state.busy; });
+    constructor(
+        private readonly store: Store,
+        private readonly session: Session,
+        private readonly viewport: Viewport,
+    ) {
+        store.watch(["busy"], (state) => {
+            this.busy.textContent = state.busy;
+        });
         store.watch(["hello", "level", "revision"], () => this.showCounts());
         session.onGeometry(() => this.showCounts());
     }
@@ -73,10 +87,13 @@ export class StatusBar {
             this.clear();
             return;
         }
-        const values = (Array.isArray(value) ? value : [value]).map((v) => format.number(v, 6)).join(", ");
+        const values = (Array.isArray(value) ? value : [value])
+            .map((v) => format.number(v, 6))
+            .join(", ");
         const steep = slope === null ? "" : `  slope ${format.number(slope, 3)}\u00b0`;
         this.value.textContent = `${values}${hello.unit ? ` ${hello.unit}` : ""}${steep}`;
-        const where = x === null || y === null ? "" : `x ${format.number(x, 9)}  y ${format.number(y, 9)}`;
+        const where =
+            x === null || y === null ? "" : `x ${format.number(x, 9)}  y ${format.number(y, 9)}`;
         this.place.textContent = hello.crs ? `${where}  ${hello.crs}` : where;
     }
 
@@ -88,6 +105,7 @@ export class StatusBar {
             return;
         }
         const faces = info.faces > 0 ? ` \u00b7 ${format.counted(info.faces, "face")}` : "";
-        this.counts.textContent = `Level ${level} \u00b7 ${format.counted(info.control_points, "control point")}${faces}`;
+        const points = format.counted(info.control_points, "control point");
+        this.counts.textContent = `Level ${level} \u00b7 ${points}${faces}`;
     }
 }

@@ -1,6 +1,14 @@
 // The state that panels, shortcuts and the viewport share.
 
-import type { CompressAnswer, ErrorsAnswer, Hello, History, Profile, Shown, Vector3 } from "./protocol";
+import type {
+    CompressAnswer,
+    ErrorsAnswer,
+    Hello,
+    History,
+    Profile,
+    Shown,
+    Vector3,
+} from "./protocol";
 
 export type Colouring = "plain" | "height" | "slope" | "curvature" | "error";
 export type Tool = "move" | "tilt";
@@ -27,6 +35,7 @@ export interface State {
 
     tool: Tool;
     boxSelecting: boolean;
+    dragging: boolean;
     selection: ReadonlySet<number>;
     falloff: boolean;
     radius: number;
@@ -60,6 +69,7 @@ export const initialState: State = {
     drape: "none",
     tool: "move",
     boxSelecting: false,
+    dragging: false,
     selection: new Set(),
     falloff: false,
     radius: 1,
@@ -92,7 +102,9 @@ export class Store {
     set(change: Partial<State>): void {
         const before = this.current;
         this.current = { ...before, ...change };
-        const changed = (Object.keys(change) as Key[]).filter((key) => before[key] !== this.current[key]);
+        const changed = (Object.keys(change) as Key[]).filter(
+            (key) => before[key] !== this.current[key],
+        );
         if (changed.length === 0) return;
         for (const watcher of this.watchers) {
             if (watcher.keys.some((key) => changed.includes(key))) watcher.call(this.current);

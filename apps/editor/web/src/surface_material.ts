@@ -50,11 +50,17 @@ in float measure;
 in vec2 cell;
 out vec4 colour;
 
-vec3 toLinear(vec3 c) { return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c)); }
-vec3 toScreen(vec3 c) { return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }
+vec3 toLinear(vec3 c) {
+    return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c));
+}
+
+vec3 toScreen(vec3 c) {
+    return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));
+}
 
 vec3 baseColour(vec3 n) {
-    float quantity = colouring == 1 ? place.z : colouring == 2 ? degrees(acos(clamp(n.z, -1.0, 1.0))) : measure;
+    float slope = degrees(acos(clamp(n.z, -1.0, 1.0)));
+    float quantity = colouring == 1 ? place.z : colouring == 2 ? slope : measure;
     float t = clamp((quantity - range.x) / max(range.y - range.x, 1e-30), 0.0, 1.0);
     vec3 base = colouring == 0 ? plain : texture(colours, vec2((t * 255.0 + 0.5) / 256.0, 0.5)).rgb;
     if (draped) {
@@ -73,13 +79,15 @@ float linesOf(vec2 at, vec2 width, float every) {
     return 1.0 - smoothstep(0.5, 1.5, min(away.x, away.y));
 }
 
-// Where lines would be closer than 8 pixels, only every 2nd, 4th, .. is drawn; those between fade away.
+// Where lines would be closer than 8 pixels, only every 2nd, 4th, .. is drawn; those between fade
+// away.
 float gridLine() {
     vec2 at = cell / gridStep;
     vec2 width = fwidth(at);
     float crowding = max(0.0, log2(max(max(width.x, width.y) * 8.0, 1e-6)));
     float every = exp2(floor(crowding));
-    return max(linesOf(at, width, 2.0 * every), linesOf(at, width, every) * (1.0 - fract(crowding)));
+    float between = linesOf(at, width, every) * (1.0 - fract(crowding));
+    return max(linesOf(at, width, 2.0 * every), between);
 }
 
 void main() {
@@ -97,7 +105,8 @@ void main() {
     float light = 0.2 + 0.8 * sunlight + 0.12 * max(0.0, dot(lit, towards)) + 0.08 * lit.z;
     light = mix(1.0, light, shading);
     vec3 base = filled ? baseColour(n) * light : toLinear(gridColour);
-    colour = vec4(toScreen(clamp(mix(base, toLinear(gridColour), filled ? 0.55 * line : 0.0), 0.0, 1.0)), 1.0);
+    vec3 lined = mix(base, toLinear(gridColour), filled ? 0.55 * line : 0.0);
+    colour = vec4(toScreen(clamp(lined, 0.0, 1.0)), 1.0);
 }`;
 
 const emptyTexture = new THREE.DataTexture(new Uint8Array([255, 255, 255, 0]), 1, 1);
@@ -174,7 +183,12 @@ export class SurfaceMaterial extends THREE.RawShaderMaterial {
     }
 
     /** Colours from a map over [low, high] of a quantity; the plain colour if there is no map. */
-    setColouring(quantity: "height" | "slope" | "value", map: ColourMap | null, low: number, high: number): void {
+    setColouring(
+        quantity: "height" | "slope" | "value",
+        map: ColourMap | null,
+        low: number,
+        high: number,
+    ): void {
         const codes = { height: 1, slope: 2, value: 3 };
         this.set("colouring", map ? codes[quantity] : 0);
         // Colours that must be read by the legend are darkened less than those of a landscape.

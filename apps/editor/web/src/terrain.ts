@@ -28,7 +28,10 @@ export class Terrain implements Shape {
     readonly object = new THREE.Group();
     private readonly raster: RasterInfo;
     private readonly loaded = new Map<string, Loaded>();
-    /** Tiles that were asked for since the view changed, by the id of the question. Those that fail are not asked for again. */
+    /**
+     * Tiles that were asked for since the view changed, by the id of the question. Those that fail
+     * are not asked for again.
+     */
     private readonly asked = new Map<string, number>();
     private drawn: TileId[] = [];
     private since = 0;
@@ -46,7 +49,10 @@ export class Terrain implements Shape {
     }
 
     get triangles(): number {
-        return this.drawn.reduce((sum, id) => sum + (this.loaded.get(tileKey(id))?.tile.index.length ?? 0) / 3, 0);
+        return this.drawn.reduce(
+            (sum, id) => sum + (this.loaded.get(tileKey(id))?.tile.index.length ?? 0) / 3,
+            0,
+        );
     }
 
     get shownTiles(): TileId[] {
@@ -101,7 +107,10 @@ export class Terrain implements Shape {
 
     private view(): TileView {
         const inside = this.viewport.visibility();
-        const eye = new THREE.Vector3(...this.viewport.ray({ x: this.viewport.width / 2, y: this.viewport.height / 2 }).origin);
+        const eye = new THREE.Vector3(
+            ...this.viewport.ray({ x: this.viewport.width / 2, y: this.viewport.height / 2 })
+                .origin,
+        );
         const focal = this.viewport.height / (2 * Math.tan(fieldOfView / 2));
         const spacing = Math.max(...this.raster.spacing);
         const stretch = new THREE.Vector3(1, 1, this.viewport.exaggeration);
@@ -112,7 +121,10 @@ export class Terrain implements Shape {
                 const box = this.boxOf(id).clone();
                 box.min.multiply(stretch);
                 box.max.multiply(stretch);
-                return (spacing * 2 ** id[0] * focal) / Math.max(box.distanceToPoint(eye), 1e-6 * spacing);
+                return (
+                    (spacing * 2 ** id[0] * focal) /
+                    Math.max(box.distanceToPoint(eye), 1e-6 * spacing)
+                );
             },
         };
     }
@@ -121,19 +133,32 @@ export class Terrain implements Shape {
         return this.viewport.software ? { pixels: 8, tiles: 4 } : { pixels: 2.5, tiles: 120 };
     }
 
-    /** Of a tile that is not loaded: its part of the nearest coarser one, or where the raster lies. */
+    /**
+     * Of a tile that is not loaded: its part of the nearest coarser one, or where the raster lies.
+     */
     private boxOf(id: TileId): THREE.Box3 {
         const own = this.loaded.get(tileKey(id));
         if (own) return own.box;
-        const whole = new THREE.Box3(new THREE.Vector3(...this.hello.min), new THREE.Vector3(...this.hello.max));
+        const whole = new THREE.Box3(
+            new THREE.Vector3(...this.hello.min),
+            new THREE.Vector3(...this.hello.max),
+        );
         const above = id[0] < this.raster.coarsest ? this.boxOf(parent(id)) : whole;
         if (this.hello.parametric) return above;
         const [j, r, c] = id;
         const side = this.raster.tile * 2 ** j;
         const [dx, dy] = this.raster.spacing;
         return new THREE.Box3(
-            new THREE.Vector3(whole.min.x + c * side * dx, whole.max.y - (r + 1) * side * dy, above.min.z),
-            new THREE.Vector3(whole.min.x + (c + 1) * side * dx, whole.max.y - r * side * dy, above.max.z),
+            new THREE.Vector3(
+                whole.min.x + c * side * dx,
+                whole.max.y - (r + 1) * side * dy,
+                above.min.z,
+            ),
+            new THREE.Vector3(
+                whole.min.x + (c + 1) * side * dx,
+                whole.max.y - r * side * dy,
+                above.max.z,
+            ),
         );
     }
 
@@ -161,7 +186,8 @@ export class Terrain implements Shape {
     }
 
     private takeTile(frame: Frame): void {
-        // Of what was asked for before the view changed nothing is of use; 0 is what the server sends by itself.
+        // Of what was asked for before the view changed nothing is of use; 0 is what the server
+        // sends by itself.
         if (frame.id && frame.id <= this.since) return;
         const tile = buildTile(frame, this.raster);
         const key = tileKey(tile.id);
@@ -175,7 +201,13 @@ export class Terrain implements Shape {
         geometry.setIndex(new THREE.BufferAttribute(tile.index, 1));
         const mesh = new THREE.Mesh(geometry, this.material);
         mesh.visible = false;
-        const entry = { tile, mesh, box: new THREE.Box3(), stale: false, lastDrawn: this.viewport.frames };
+        const entry = {
+            tile,
+            mesh,
+            box: new THREE.Box3(),
+            stale: false,
+            lastDrawn: this.viewport.frames,
+        };
         measure(entry);
         this.loaded.set(key, entry);
         this.object.add(mesh);

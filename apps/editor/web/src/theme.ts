@@ -31,7 +31,10 @@ export class Theme {
     }
 
     private apply(): void {
-        const dark = this.choice === "auto" ? matchMedia("(prefers-color-scheme: dark)").matches : this.choice === "dark";
+        const dark =
+            this.choice === "auto"
+                ? matchMedia("(prefers-color-scheme: dark)").matches
+                : this.choice === "dark";
         document.documentElement.dataset.theme = dark ? "dark" : "light";
         this.button.textContent = labels[this.choice];
         this.button.title = "Light or dark (Shift+T)";

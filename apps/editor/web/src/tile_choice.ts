@@ -24,7 +24,8 @@ export interface TileChoice {
 
 /** Rows and columns of tiles at j. */
 export function tileCounts(raster: RasterInfo, j: number): { rows: number; cols: number } {
-    const along = (samples: number) => Math.max(1, Math.ceil((samples - 1) / (raster.tile * 2 ** j)));
+    const along = (samples: number) =>
+        Math.max(1, Math.ceil((samples - 1) / (raster.tile * 2 ** j)));
     return { rows: along(raster.rows), cols: along(raster.cols) };
 }
 
@@ -44,8 +45,8 @@ export function parent([j, r, c]: TileId): TileId {
 }
 
 /**
- * Splits the tile with the coarsest samples on the screen until all are fine enough or there are too many. A tile is
- * drawn until all its visible children are loaded, so there are never holes.
+ * Splits the tile with the coarsest samples on the screen until all are fine enough or there are
+ * too many. A tile is drawn until all its visible children are loaded, so there are never holes.
  */
 export function chooseTiles(raster: RasterInfo, view: TileView, limits: TileLimits): TileChoice {
     const root: TileId = [raster.coarsest, 0, 0];

@@ -1,6 +1,14 @@
-// The samples of a tile as vertices and triangles, with skirts that hide cracks between tiles of different fineness.
+// The samples of a tile as vertices and triangles, with skirts that hide cracks between tiles of
+// different fineness.
 
-import { FrameError, headCounts, headNumber, optionalArray, requiredArray, type Frame } from "./frame";
+import {
+    FrameError,
+    headCounts,
+    headNumber,
+    optionalArray,
+    requiredArray,
+    type Frame,
+} from "./frame";
 import type { RasterInfo, TileId } from "./protocol";
 
 export interface Tile {
@@ -17,6 +25,11 @@ export interface Tile {
     valid: Uint8Array | null;
     /** For each vertex of a skirt the sample above it. */
     skirt: Uint32Array;
+    /**
+     * 0 for vertices of skirts at the raster's own border, where they would be seen from outside;
+     * else 1.
+     */
+    hang: Uint8Array;
     index: Uint16Array | Uint32Array;
 }
 
@@ -40,8 +53,15 @@ function innerSides(raster: RasterInfo, [j, r, c]: TileId, rows: number, cols: n
     };
 }
 
-/** Samples along the inner sides, one after another; each side begins where its number in `starts` says. */
-function skirtSamples(rows: number, cols: number, sides: InnerSides): { samples: number[]; starts: number[] } {
+/**
+ * Samples along the inner sides, one after another; each side begins where its number in `starts`
+ * says.
+ */
+function skirtSamples(
+    rows: number,
+    cols: number,
+    sides: InnerSides,
+): { samples: number[]; starts: number[] } {
     const samples: number[] = [];
     const starts: number[] = [];
     const side = (inner: boolean, length: number, sample: (i: number) => number) => {
@@ -57,7 +77,13 @@ function skirtSamples(rows: number, cols: number, sides: InnerSides): { samples:
 }
 
 /** Triangles of samples that are all valid, and of the skirts. */
-function triangles(rows: number, cols: number, valid: Uint8Array | null, skirt: number[], starts: number[]): number[] {
+function triangles(
+    rows: number,
+    cols: number,
+    valid: Uint8Array | null,
+    skirt: number[],
+    starts: number[],
+): number[] {
     const index: number[] = [];
     const add = (a: number, b: number, c: number) => {
         if (!valid || (valid[a] && valid[b] && valid[c])) index.push(a, b, c);
@@ -79,8 +105,8 @@ function triangles(rows: number, cols: number, valid: Uint8Array | null, skirt: 
 }
 
 /**
- * A crack beside a tile of half as many samples is as deep as samples lie off the line between their neighbours. Three
- * times this is enough where the neighbour is still coarser or smoother.
+ * A crack beside a tile of half as many samples is as deep as samples lie off the line between
+ * their neighbours. Three times this is enough where the neighbour is still coarser or smoother.
  */
 function skirtDepth({ position, skirt, cols }: Tile): number {
     const z = (i: number) => position[3 * skirt[i] + 2];
@@ -100,7 +126,7 @@ export function hangSkirts(tile: Tile): void {
     tile.skirt.forEach((sample, i) => {
         const vertex = below + i;
         tile.position.copyWithin(3 * vertex, 3 * sample, 3 * sample + 3);
-        tile.position[3 * vertex + 2] -= depth;
+        tile.position[3 * vertex + 2] -= depth * tile.hang[i];
         tile.normal.copyWithin(4 * vertex, 4 * sample, 4 * sample + 4);
         tile.lattice.copyWithin(2 * vertex, 2 * sample, 2 * sample + 2);
         if (tile.value) tile.value[vertex] = tile.value[sample];
@@ -111,7 +137,8 @@ function sizeOf(frame: Frame): { rows: number; cols: number } {
     const rows = headNumber(frame, "rows");
     const cols = headNumber(frame, "cols");
     const fits = (side: number) => Number.isInteger(side) && side >= 1 && side <= maxSide;
-    if (!fits(rows) || !fits(cols)) throw new FrameError(`a tile has ${rows} rows and ${cols} columns`);
+    if (!fits(rows) || !fits(cols))
+        throw new FrameError(`a tile has ${rows} rows and ${cols} columns`);
     return { rows, cols };
 }
 
@@ -124,8 +151,16 @@ function copied<T extends Float32Array | Int16Array>(target: T, source: T | null
     return target;
 }
 
+function onBorder(raster: RasterInfo, col: number, row: number): boolean {
+    return col === 0 || row === 0 || col === raster.cols - 1 || row === raster.rows - 1;
+}
+
 /** A vertex that has no finite height stands at 0 and is not valid. */
-function checkedValid(position: Float32Array, samples: number, valid: Uint8Array | null): Uint8Array | null {
+function checkedValid(
+    position: Float32Array,
+    samples: number,
+    valid: Uint8Array | null,
+): Uint8Array | null {
     let result = valid;
     for (let i = 0; i < samples; ++i) {
         if (Number.isFinite(position[3 * i] + position[3 * i + 1] + position[3 * i + 2])) continue;
@@ -136,7 +171,9 @@ function checkedValid(position: Float32Array, samples: number, valid: Uint8Array
     return result;
 }
 
-/** Builds the vertices and triangles of a `tile` message. Throws FrameError. Complexity: O(samples). */
+/**
+ * Builds the vertices and triangles of a `tile` message. Throws FrameError. Complexity: O(samples).
+ */
 export function buildTile(frame: Frame, raster: RasterInfo): Tile {
     const id = tileIdOf(frame);
     const { rows, cols } = sizeOf(frame);
@@ -144,32 +181,56 @@ export function buildTile(frame: Frame, raster: RasterInfo): Tile {
     const valid = optionalArray(frame, "valid", "u8", 1, samples);
     const { samples: skirt, starts } = skirtSamples(rows, cols, innerSides(raster, id, rows, cols));
     const vertices = samples + skirt.length;
-    const value = optionalArray(frame, "error", "f32", 1, samples) ?? optionalArray(frame, "curvature", "f32", 1, samples);
+    const value =
+        optionalArray(frame, "error", "f32", 1, samples) ??
+        optionalArray(frame, "curvature", "f32", 1, samples);
     const position = new Float32Array(3 * vertices);
     const lattice = new Float32Array(2 * vertices);
     const step = 2 ** id[0];
     for (let i = 0; i < samples; ++i) {
         lattice[2 * i] = Math.min((id[2] * raster.tile + (i % cols)) * step, raster.cols - 1);
-        lattice[2 * i + 1] = Math.min((id[1] * raster.tile + Math.floor(i / cols)) * step, raster.rows - 1);
+        lattice[2 * i + 1] = Math.min(
+            (id[1] * raster.tile + Math.floor(i / cols)) * step,
+            raster.rows - 1,
+        );
     }
-    if (!placePoints(frame, position, rows, cols)) throw new FrameError("a tile has neither height nor position");
+    if (!placePoints(frame, position, rows, cols))
+        throw new FrameError("a tile has neither height nor position");
     const shown = checkedValid(position, samples, valid);
     const index = triangles(rows, cols, shown, skirt, starts);
     const tile: Tile = {
-        id, rows, cols, position, lattice, valid: shown,
-        normal: copied(new Int16Array(4 * vertices), requiredArray(frame, "normal", "i16", 4, samples)),
+        id,
+        rows,
+        cols,
+        position,
+        lattice,
+        valid: shown,
+        normal: copied(
+            new Int16Array(4 * vertices),
+            requiredArray(frame, "normal", "i16", 4, samples),
+        ),
         value: value && copied(new Float32Array(vertices), value),
         skirt: Uint32Array.from(skirt),
+        hang: Uint8Array.from(skirt, (sample) =>
+            onBorder(raster, lattice[2 * sample], lattice[2 * sample + 1]) ? 0 : 1,
+        ),
         index: vertices > 65535 ? Uint32Array.from(index) : Uint16Array.from(index),
     };
     hangSkirts(tile);
     return tile;
 }
 
-/** Page coordinates of samples along one side of a tile: in equal steps but for the last, which may be shorter. */
+/**
+ * Page coordinates of samples along one side of a tile: in equal steps but for the last, which may
+ * be shorter.
+ */
 function placesAlong(frame: Frame, axis: "x" | "y", count: number): Float64Array {
-    const [first, last, step] = [`${axis}0`, `${axis}1`, `d${axis}`].map((name) => headNumber(frame, name));
-    return Float64Array.from({ length: count }, (_, i) => (i > 0 && i === count - 1 ? last : first + step * i));
+    const [first, last, step] = [`${axis}0`, `${axis}1`, `d${axis}`].map((name) =>
+        headNumber(frame, name),
+    );
+    return Float64Array.from({ length: count }, (_, i) =>
+        i > 0 && i === count - 1 ? last : first + step * i,
+    );
 }
 
 /** Heights over a lattice, or points of a parametric surface. False if the message has neither. */
@@ -190,12 +251,15 @@ function placePoints(frame: Frame, position: Float32Array, rows: number, cols: n
 /** Writes the samples of a `patch` message into the tile. Throws FrameError. */
 export function patchTile(tile: Tile, frame: Frame): void {
     const [row, col, rows, cols] = headCounts(frame, "rect", 4);
-    if (row + rows > tile.rows || col + cols > tile.cols) throw new FrameError("a patch reaches beyond its tile");
+    if (row + rows > tile.rows || col + cols > tile.cols)
+        throw new FrameError("a patch reaches beyond its tile");
     const samples = rows * cols;
     const height = optionalArray(frame, "height", "f32", 1, samples);
     const points = optionalArray(frame, "position", "f32", 3, samples);
     const normal = optionalArray(frame, "normal", "i16", 4, samples);
-    const value = optionalArray(frame, "error", "f32", 1, samples) ?? optionalArray(frame, "curvature", "f32", 1, samples);
+    const value =
+        optionalArray(frame, "error", "f32", 1, samples) ??
+        optionalArray(frame, "curvature", "f32", 1, samples);
     for (let i = 0; i < samples; ++i) {
         const sample = (row + Math.floor(i / cols)) * tile.cols + col + (i % cols);
         if (height && Number.isFinite(height[i])) tile.position[3 * sample + 2] = height[i];

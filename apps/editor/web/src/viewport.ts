@@ -30,7 +30,9 @@ export class Viewport {
     readonly scene = new THREE.Scene();
     /** Geometry in page coordinates; its z is stretched by the exaggeration. */
     readonly world = new THREE.Group();
-    /** Whether the browser computes pictures without a graphics card: then they have to be simpler. */
+    /**
+     * Whether the browser computes pictures without a graphics card: then they have to be simpler.
+     */
     readonly software = drawsInSoftware();
     private readonly renderer: THREE.WebGLRenderer;
     private readonly lens = new THREE.PerspectiveCamera((fieldOfView * 180) / Math.PI);
@@ -73,7 +75,10 @@ export class Viewport {
     set camera(camera: CameraState) {
         const nearest = this.radius * 1e-5;
         const farthest = this.radius * 50;
-        this.state = { ...camera, distance: Math.min(farthest, Math.max(nearest, camera.distance)) };
+        this.state = {
+            ...camera,
+            distance: Math.min(farthest, Math.max(nearest, camera.distance)),
+        };
         this.invalidate();
     }
 
@@ -97,7 +102,12 @@ export class Viewport {
 
     /** Looks at a box in page coordinates, or at everything. */
     frame(box: { min: Vector3; max: Vector3 } = this.bounds): void {
-        this.camera = framed(this.state, this.toScene(box.min), this.toScene(box.max), this.width / this.height);
+        this.camera = framed(
+            this.state,
+            this.toScene(box.min),
+            this.toScene(box.max),
+            this.width / this.height,
+        );
     }
 
     look(azimuth: number, elevation: number): void {
@@ -144,7 +154,10 @@ export class Viewport {
     }
 
     /** Pixels of the canvas and depth of points in page coordinates (3 numbers each). */
-    project(position: Float32Array, result: Projected = new Float32Array(position.length)): Projected {
+    project(
+        position: Float32Array,
+        result: Projected = new Float32Array(position.length),
+    ): Projected {
         const matrix = new THREE.Matrix4()
             .multiplyMatrices(this.lens.projectionMatrix, this.lens.matrixWorldInverse)
             .multiply(this.world.matrixWorld);

@@ -1,5 +1,16 @@
 import { describe, expect, it } from "vitest";
-import { add, basis, dot, fieldOfView, framed, orbited, panned, unitsPerPixel, zoomed, type CameraState } from "../src/camera";
+import {
+    add,
+    basis,
+    dot,
+    fieldOfView,
+    framed,
+    orbited,
+    panned,
+    unitsPerPixel,
+    zoomed,
+    type CameraState,
+} from "../src/camera";
 import type { Vector3 } from "../src/protocol";
 
 const camera: CameraState = { target: [3, -2, 5], distance: 40, azimuth: 0.7, elevation: 0.4 };
@@ -17,7 +28,14 @@ describe("the camera", () => {
     it("has three perpendicular axes of length 1, also when it looks straight down", () => {
         for (const elevation of [0, 0.4, Math.PI / 2, -Math.PI / 2]) {
             const { right, up, back } = basis({ ...camera, elevation });
-            for (const [a, b, expected] of [[right, right, 1], [up, up, 1], [back, back, 1], [right, up, 0], [up, back, 0], [back, right, 0]] as const) {
+            for (const [a, b, expected] of [
+                [right, right, 1],
+                [up, up, 1],
+                [back, back, 1],
+                [right, up, 0],
+                [up, back, 0],
+                [back, right, 0],
+            ] as const) {
                 expect(dot(a, b)).toBeCloseTo(expected, 14);
             }
         }
@@ -59,7 +77,11 @@ describe("the camera", () => {
             const c = framed(camera, [0, 0, 0], [10, 4, 1], aspect);
             let widest = 0;
             for (let corner = 0; corner < 8; ++corner) {
-                const [x, y, depth] = project(c, [corner & 1 ? 10 : 0, corner & 2 ? 4 : 0, corner & 4 ? 1 : 0]);
+                const [x, y, depth] = project(c, [
+                    corner & 1 ? 10 : 0,
+                    corner & 2 ? 4 : 0,
+                    corner & 4 ? 1 : 0,
+                ]);
                 expect(depth).toBeGreaterThan(0);
                 widest = Math.max(widest, Math.abs(x) / aspect, Math.abs(y));
             }

@@ -9,11 +9,19 @@ class FakeSocket {
     binaryType = "";
     readonly sent: Record<string, unknown>[] = [];
     private readonly listeners = new Map<string, (event: { data?: unknown }) => void>();
-    constructor() { FakeSocket.last = this; }
-    addEventListener(name: string, call: (event: { data?: unknown }) => void) { this.listeners.set(name, call); }
-    send(text: string) { this.sent.push(JSON.parse(text)); }
+    constructor() {
+        FakeSocket.last = this;
+    }
+    addEventListener(name: string, call: (event: { data?: unknown }) => void) {
+        this.listeners.set(name, call);
+    }
+    send(text: string) {
+        this.sent.push(JSON.parse(text));
+    }
     say(message: object | ArrayBuffer) {
-        this.listeners.get("message")?.({ data: message instanceof ArrayBuffer ? message : JSON.stringify(message) });
+        this.listeners.get("message")?.({
+            data: message instanceof ArrayBuffer ? message : JSON.stringify(message),
+        });
     }
     close() {
         this.readyState = 3;
@@ -24,7 +32,13 @@ class FakeSocket {
 const net = (id: number) => frameOf({ what: "net", id }, { index: [Uint32Array.of(5), 1] });
 
 describe("a connection", () => {
-    const listener = { event: vi.fn(), frame: vi.fn(), answered: vi.fn(), closed: vi.fn(), broken: vi.fn() };
+    const listener = {
+        event: vi.fn(),
+        frame: vi.fn(),
+        answered: vi.fn(),
+        closed: vi.fn(),
+        broken: vi.fn(),
+    };
     let connection: Connection;
 
     beforeEach(() => {
@@ -38,9 +52,16 @@ describe("a connection", () => {
         const first = connection.send({ ask: "at", x: 1, y: 2 });
         const second = connection.send({ do: "undo" });
         const { sent } = FakeSocket.last;
-        expect(sent).toEqual([{ id: 1, ask: "at", x: 1, y: 2 }, { id: 2, do: "undo" }]);
+        expect(sent).toEqual([
+            { id: 1, ask: "at", x: 1, y: 2 },
+            { id: 2, do: "undo" },
+        ]);
         FakeSocket.last.say({ id: 1, ok: true, value: 7 });
-        FakeSocket.last.say({ id: 2, ok: false, error: { code: "nothing", message: "nothing to undo", where: "command 0" } });
+        FakeSocket.last.say({
+            id: 2,
+            ok: false,
+            error: { code: "nothing", message: "nothing to undo", where: "command 0" },
+        });
         expect(await first).toMatchObject({ value: 7 });
         await expect(second).rejects.toThrow("nothing to undo (command 0)");
         await expect(second).rejects.toBeInstanceOf(Refusal);
@@ -71,7 +92,11 @@ describe("a connection", () => {
     it("says so when it receives what it can not read", () => {
         FakeSocket.last.say(new ArrayBuffer(5));
         FakeSocket.last.say({ id: 99, ok: true });
-        FakeSocket.last.say({ id: null, ok: false, error: { code: "syntax", message: "not JSON" } });
+        FakeSocket.last.say({
+            id: null,
+            ok: false,
+            error: { code: "syntax", message: "not JSON" },
+        });
         expect(listener.broken.mock.calls.map(([message]) => message)).toEqual([
             "The server sent something unreadable: 5 bytes are no message.",
             "The server sent something unreadable: an answer that nothing asked for.",

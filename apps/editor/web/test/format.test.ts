@@ -34,14 +34,27 @@ describe("numbers", () => {
 
 describe("scales", () => {
     it("round up to 1, 2 or 5 times a power of ten", () => {
-        const pairs = [[1, 1], [1.01, 2], [2.5, 5], [7, 10], [87.3, 100], [0.031, 0.05], [0.1, 0.1], [1e-9, 1e-9], [0, 1], [NaN, 1]];
+        const pairs = [
+            [1, 1],
+            [1.01, 2],
+            [2.5, 5],
+            [7, 10],
+            [87.3, 100],
+            [0.031, 0.05],
+            [0.1, 0.1],
+            [1e-9, 1e-9],
+            [0, 1],
+            [NaN, 1],
+        ];
         for (const [value, rounded] of pairs) expect(format.roundUp(value)).toBe(rounded);
     });
 
     it("have round ticks inside their range", () => {
         expect(format.ticks(0, 60, 5)).toEqual([0, 20, 40, 60]);
         expect(format.ticks(350, 2100, 5)).toEqual([500, 1000, 1500, 2000]);
-        expect(format.ticks(-0.05, 0.05, 5)).toEqual([-0.04, -0.02, 0, 0.02, 0.04].map((t) => t || 0));
+        expect(format.ticks(-0.05, 0.05, 5)).toEqual(
+            [-0.04, -0.02, 0, 0.02, 0.04].map((t) => t || 0),
+        );
         expect(format.ticks(3, 3, 5)).toEqual([3]);
     });
 });

@@ -8,11 +8,20 @@ function typeOf(data: Source): string {
     return data instanceof Int16Array ? "i16" : "u8";
 }
 
-export function frameOf(head: object, arrays: Record<string, [data: Source, width: number]>): ArrayBuffer {
+export function frameOf(
+    head: object,
+    arrays: Record<string, [data: Source, width: number]>,
+): ArrayBuffer {
     const list = Object.entries(arrays).map(([name, [data, width]]) => ({
-        name, type: typeOf(data), width, count: data.length / width,
+        name,
+        type: typeOf(data),
+        width,
+        count: data.length / width,
     }));
-    return rawFrame(JSON.stringify({ ...head, arrays: list }), Object.values(arrays).map(([data]) => data));
+    return rawFrame(
+        JSON.stringify({ ...head, arrays: list }),
+        Object.values(arrays).map(([data]) => data),
+    );
 }
 
 export function rawFrame(head: string, arrays: Source[]): ArrayBuffer {

@@ -13,7 +13,8 @@ function setUp() {
         (call) => frames.push(call),
     );
     return {
-        sent, sender,
+        sent,
+        sender,
         frame: () => frames.splice(0).forEach((call) => call()),
         answer: async () => {
             answers.splice(0).forEach((call) => call());

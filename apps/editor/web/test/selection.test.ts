@@ -1,13 +1,27 @@
 import { describe, expect, it } from "vitest";
 import { adjacency } from "../src/falloff";
-import { boxOf, grown, neighbourTowards, placesInBox, placeUnder, toggled, united } from "../src/selection";
+import {
+    boxOf,
+    grown,
+    neighbourTowards,
+    placesInBox,
+    placeUnder,
+    toggled,
+    united,
+} from "../src/selection";
 
-/** Nine points at the pixels (100, 200, 300) x (100, 200, 300), row by row, at depth 10; number 8 behind the camera. */
+/**
+ * Nine points at the pixels (100, 200, 300) x (100, 200, 300), row by row, at depth 10; number 8
+ * behind the camera.
+ */
 const projected = Float32Array.from({ length: 27 }, (_, i) => {
     const p = Math.floor(i / 3);
     return [100 * (1 + (p % 3)), 100 * (1 + Math.floor(p / 3)), p === 8 ? NaN : 10][i % 3];
 });
-const net = adjacency(9, Uint32Array.of(0, 1, 1, 2, 3, 4, 4, 5, 6, 7, 7, 8, 0, 3, 3, 6, 1, 4, 4, 7, 2, 5, 5, 8));
+const net = adjacency(
+    9,
+    Uint32Array.of(0, 1, 1, 2, 3, 4, 4, 5, 6, 7, 7, 8, 0, 3, 3, 6, 1, 4, 4, 7, 2, 5, 5, 8),
+);
 
 describe("a selection", () => {
     it("is changed by making another one", () => {
@@ -19,8 +33,15 @@ describe("a selection", () => {
     });
 
     it("by a box takes what is inside, and nothing behind the camera", () => {
-        expect(boxOf({ x: 5, y: 1 }, { x: 2, y: 7 })).toEqual({ left: 2, top: 1, right: 5, bottom: 7 });
-        expect(placesInBox(projected, boxOf({ x: 350, y: 350 }, { x: 150, y: 150 }))).toEqual([4, 5, 7]);
+        expect(boxOf({ x: 5, y: 1 }, { x: 2, y: 7 })).toEqual({
+            left: 2,
+            top: 1,
+            right: 5,
+            bottom: 7,
+        });
+        expect(placesInBox(projected, boxOf({ x: 350, y: 350 }, { x: 150, y: 150 }))).toEqual([
+            4, 5, 7,
+        ]);
         expect(placesInBox(projected, boxOf({ x: 0, y: 0 }, { x: 99, y: 99 }))).toEqual([]);
     });
 
@@ -40,7 +61,9 @@ describe("the point under the pointer", () => {
     });
 
     it("is the front one of several on a pixel, in any order", () => {
-        expect(placeUnder(Float32Array.of(50, 50, 9, 50, 50, 3, 50, 50, 6), { x: 51, y: 50 }, 9)).toBe(1);
+        expect(
+            placeUnder(Float32Array.of(50, 50, 9, 50, 50, 3, 50, 50, 6), { x: 51, y: 50 }, 9),
+        ).toBe(1);
         expect(placeUnder(Float32Array.of(50, 50, 3, 50, 50, 9), { x: 51, y: 50 }, 9)).toBe(0);
     });
 

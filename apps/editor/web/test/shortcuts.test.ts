@@ -1,13 +1,22 @@
 import { describe, expect, it, vi } from "vitest";
 import manual from "../../../../docs/editor.md?raw";
 import { Help } from "../src/help";
-import { actionOf, belongsToControl, keyName, shortcutGroups, shortcutsMarkdown, type KeyPress } from "../src/shortcuts";
+import {
+    actionOf,
+    belongsToControl,
+    keyName,
+    shortcutGroups,
+    shortcutsMarkdown,
+    type KeyPress,
+} from "../src/shortcuts";
 
 function press(key: string, modifiers = ""): KeyPress {
     return {
         key,
-        ctrlKey: modifiers.includes("c"), metaKey: modifiers.includes("m"),
-        shiftKey: modifiers.includes("s"), altKey: modifiers.includes("a"),
+        ctrlKey: modifiers.includes("c"),
+        metaKey: modifiers.includes("m"),
+        shiftKey: modifiers.includes("s"),
+        altKey: modifiers.includes("a"),
     };
 }
 
@@ -17,16 +26,22 @@ const all = shortcutGroups.flatMap((group) => group.shortcuts);
 class Stub {
     readonly children: (Stub | string)[] = [];
     constructor(readonly tag: string) {}
-    append(...nodes: (Stub | string)[]) { this.children.push(...nodes); }
+    append(...nodes: (Stub | string)[]) {
+        this.children.push(...nodes);
+    }
     setAttribute() {}
     toggleAttribute() {}
     addEventListener() {}
     find(tag: string): Stub[] {
-        const inner = this.children.flatMap((child) => (typeof child === "string" ? [] : child.find(tag)));
+        const inner = this.children.flatMap((child) =>
+            typeof child === "string" ? [] : child.find(tag),
+        );
         return this.tag === tag ? [this, ...inner] : inner;
     }
     get text(): string {
-        return this.children.map((child) => (typeof child === "string" ? child : child.text)).join(" ");
+        return this.children
+            .map((child) => (typeof child === "string" ? child : child.text))
+            .join(" ");
     }
 }
 
@@ -41,11 +56,28 @@ describe("the table of shortcuts", () => {
         vi.stubGlobal("document", { createElement: (tag: string) => new Stub(tag) });
         const overlay = new Help().element as unknown as Stub;
         vi.unstubAllGlobals();
-        const symbols: Record<string, string> = { "\u2190": "Left", "\u2192": "Right", "\u2191": "Up", "\u2193": "Down", Esc: "Escape" };
+        const symbols: Record<string, string> = {
+            "\u2190": "Left",
+            "\u2192": "Right",
+            "\u2191": "Up",
+            "\u2193": "Down",
+            Esc: "Escape",
+        };
         const labels = overlay.find("dd").map((element) => element.text);
-        const keys = overlay.find("dt").map((element) => element.find("span").slice(1)
-            .map((caps) => caps.find("kbd").map((cap) => symbols[cap.text] ?? cap.text).join("+")));
-        const listed = keys.map((names, i) => [names, labels[i]]).filter(([names]) => names.length > 0);
+        const keys = overlay.find("dt").map((element) =>
+            element
+                .find("span")
+                .slice(1)
+                .map((caps) =>
+                    caps
+                        .find("kbd")
+                        .map((cap) => symbols[cap.text] ?? cap.text)
+                        .join("+"),
+                ),
+        );
+        const listed = keys
+            .map((names, i) => [names, labels[i]])
+            .filter(([names]) => names.length > 0);
         expect(listed).toEqual(all.map((shortcut) => [shortcut.keys, shortcut.label]));
     });
 
@@ -99,6 +131,7 @@ describe("a control that has the focus", () => {
         expect(belongsToControl(press("Escape"), number)).toBe(false);
         expect(belongsToControl(press("n"), slider)).toBe(false);
         expect(belongsToControl(press("n"), button)).toBe(false);
-        for (const key of ["n", "ArrowLeft", "PageUp", "Escape"]) expect(belongsToControl(press(key), canvas)).toBe(false);
+        for (const key of ["n", "ArrowLeft", "PageUp", "Escape"])
+            expect(belongsToControl(press(key), canvas)).toBe(false);
     });
 });

@@ -9,11 +9,19 @@ const restMilliseconds = 180;
 
 function results({ compressed, hello }: State): [string, string][] {
     if (!compressed || !hello) return [];
-    const share = compressed.coefficients > 0 ? (100 * compressed.kept) / compressed.coefficients : 0;
-    const ratio = hello.bytes > 0 ? ` (${format.number((100 * compressed.bytes) / hello.bytes, 3)} % of the file)` : "";
+    const share =
+        compressed.coefficients > 0 ? (100 * compressed.kept) / compressed.coefficients : 0;
+    const kept = ` (${format.number(share, 3)} %)`;
+    const ratio =
+        hello.bytes > 0
+            ? ` (${format.number((100 * compressed.bytes) / hello.bytes, 3)} % of the file)`
+            : "";
     return [
         ["Size", `${format.bytes(compressed.bytes)}${ratio}`],
-        ["Kept", `${format.count(compressed.kept)} of ${format.count(compressed.coefficients)} (${format.number(share, 3)} %)`],
+        [
+            "Kept",
+            `${format.count(compressed.kept)} of ${format.count(compressed.coefficients)}${kept}`,
+        ],
         ["Largest error", format.measured(compressed.max_error, hello.unit)],
         ["Rms error", format.measured(compressed.rms_error, hello.unit)],
     ];
@@ -30,13 +38,18 @@ export function compressSection({ store, actions }: Panel): HTMLElement {
     const slider = ratioSlider("Error bound", chosen);
     slider.input.id = "bound-slider";
     const table = el("dl", { id: "compressed" });
-    const hint = el("p", { class: "dim" }, "Move the slider to see what a bound costs and how it looks.");
+    const hint = el(
+        "p",
+        { class: "dim" },
+        "Move the slider to see what a bound costs and how it looks.",
+    );
     store.watch(["hello"], ({ hello }) => {
         const height = hello ? hello.max[2] - hello.min[2] : 1;
         const most = roundUp((height || 1) / 10);
         slider.setRange(most / 1e5, most);
         slider.input.disabled = field.input.disabled = !hello;
-        (field.element.firstChild as HTMLElement).textContent = `Error bound${hello?.unit ? ` (${hello.unit})` : ""}`;
+        (field.element.firstChild as HTMLElement).textContent =
+            `Error bound${hello?.unit ? ` (${hello.unit})` : ""}`;
     });
     store.watch(["hello", "bound"], ({ bound, hello }) => {
         field.show(format.field(bound));
@@ -44,7 +57,9 @@ export function compressSection({ store, actions }: Panel): HTMLElement {
     });
     store.watch(["compressed"], (state) => {
         hint.hidden = state.compressed !== null;
-        table.replaceChildren(...results(state).flatMap(([name, value]) => [el("dt", {}, name), el("dd", {}, value)]));
+        table.replaceChildren(
+            ...results(state).flatMap(([name, value]) => [el("dt", {}, name), el("dd", {}, value)]),
+        );
     });
     return section("Compress", field.element, slider.input, hint, table);
 }

@@ -11,7 +11,10 @@ export function historySection({ store, actions }: Panel): HTMLElement {
         redo.disabled = locked || history.done === history.entries.length;
         const texts = ["As opened", ...history.entries.map((entry) => entry.text)];
         const items = texts.map((text, done) => {
-            const item = button(text, () => actions.goTo(done), { class: done > history.done ? "undone" : "", disabled: locked });
+            const item = button(text, () => actions.goTo(done), {
+                class: done > history.done ? "undone" : "",
+                disabled: locked,
+            });
             if (done === history.done) item.setAttribute("aria-current", "step");
             return el("li", {}, item);
         });

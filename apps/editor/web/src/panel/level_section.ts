@@ -5,16 +5,23 @@ import type { Panel } from "./panel";
 
 /** "63 x 63 control points, 4.1 kB of the file". */
 export function levelCounts(info: LevelInfo): string {
-    const size = info.rows && info.cols
-        ? `${format.count(info.rows)} \u00d7 ${format.count(info.cols)} control points`
-        : format.counted(info.control_points, "control point");
+    const size =
+        info.rows && info.cols
+            ? `${format.count(info.rows)} \u00d7 ${format.count(info.cols)} control points`
+            : format.counted(info.control_points, "control point");
     const faces = info.faces > 0 ? `, ${format.counted(info.faces, "face")}` : "";
     return `${size}${faces}${info.bytes > 0 ? `, ${format.bytes(info.bytes)} of the file` : ""}`;
 }
 
 /** The slider runs from the coarsest level to the finest, level 0. */
 export function levelSection({ store, actions }: Panel): HTMLElement {
-    const slider = el("input", { type: "range", min: 0, step: 1, id: "level", "aria-label": "Level" });
+    const slider = el("input", {
+        type: "range",
+        min: 0,
+        step: 1,
+        id: "level",
+        "aria-label": "Level",
+    });
     const counts = el("p", { class: "dim", id: "level-counts" });
     const value = el("output", { for: "level" });
     const coarser = button("Coarser", () => actions.run("coarser"), { title: "PageUp or [" });
