@@ -11,6 +11,7 @@
 #include "mesh_verbs.h"
 #include "ps_verbs.h"
 #include "quad_verbs.h"
+#include "relief/codec/container.h"
 #include "relief/codec/point_codec.h"
 #include "relief/io/file.h"
 #include "relief/io/file_kind.h"
@@ -61,9 +62,10 @@ Result<Bytes> mesh_bytes(const std::string& path, const Progress& progress,
 
 Result<Bytes> point_bytes(const std::string& path, const Progress& progress,
                           std::vector<std::string>& notices) {
-    RELIEF_TRY(const io::PointSet points, io::read_points(path));
-    auto encoded = codec::encode_points({points.places, points.values, points.weights},
-                                        codec::Interpolation{}, {}, progress);
+    RELIEF_TRY(io::PointSet points, io::read_points(path));
+    const codec::PsData data{std::move(points.places), std::move(points.values),
+                             std::move(points.weights)};
+    auto encoded = codec::encode_points(data, codec::Interpolation{}, {}, progress);
     if (!encoded.ok()) return located(encoded.error(), path);
     if (encoded->merged > 0)
         notices.push_back(fmt::format(
@@ -88,22 +90,11 @@ bool holds_raster(const std::shared_ptr<const ByteSource>& relief) {
     return content.ok() && *content == "raster";
 }
 
-double metres_of(const std::string& unit) {
-    constexpr std::array<std::string_view, 3> feet = {"ft", "foot", "feet"};
-    constexpr std::array<std::string_view, 4> survey_feet = {"US survey foot", "ftUS", "us-ft",
-                                                             "Foot_US"};
-    if (std::find(feet.begin(), feet.end(), unit) != feet.end()) return 0.3048;
-    if (std::find(survey_feet.begin(), survey_feet.end(), unit) != survey_feet.end())
-        return 1200.0 / 3937;
-    return 1;
-}
-
 /// Sizes of samples in the unit of the heights; none without a CRS.
 std::optional<std::array<double, 2>> spacing_of(const Raster& about) {
-    if (about.geo.crs.empty() || !about.geo.transform) return {};
-    const io::CellSize cell = io::cell_size_metres(about.geo, about.rows);
-    const double unit = metres_of(about.unit);
-    return std::array{cell.x / unit, cell.y / unit};
+    const auto cell = io::cell_size_in_unit(about);
+    if (!cell) return {};
+    return std::array{cell->x, cell->y};
 }
 
 /// Where sample (row, col) of a raster lies, in one unit with its heights.

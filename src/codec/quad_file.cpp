@@ -225,7 +225,7 @@ Result<QuadSurface> QuadFile::surface(int level) const {
 }
 
 Result<std::vector<Index>> QuadFile::vertex_numbers(int level) const {
-    RELIEF_CHECK(state_->check_level(level));
+    RELIEF_CHECK(check_level(state_->chunks(), level));
     RELIEF_TRY(const Hierarchy hierarchy,
                Hierarchy::create(state_->base_mesh, state_->refined(level)));
     RELIEF_TRY(Numbering numbering, state_->numbering(hierarchy.mesh(hierarchy.levels()), level));

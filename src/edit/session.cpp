@@ -5,7 +5,7 @@
 #include <set>
 
 #include "edit/model.h"
-#include "relief/codec/quad_codec.h"
+#include "relief/codec/container.h"
 
 namespace relief::edit {
 

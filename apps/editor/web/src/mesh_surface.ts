@@ -71,7 +71,7 @@ export class MeshSurface implements Shape {
         const position = requiredArray(frame, "position", "f32", 3);
         const vertices = position.length / 3;
         const normal = requiredArray(frame, "normal", "i16", 4, vertices);
-        const index = requiredArray(frame, "index", "u32", 1);
+        const index = requiredArray(frame, "index", "u32", 3);
         const line = optionalArray(frame, "line", "u32", 2) ?? new Uint32Array();
         const value =
             optionalArray(frame, "error", "f32", 1, vertices) ??
