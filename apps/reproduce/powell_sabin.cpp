@@ -105,7 +105,7 @@ ps::Space random_space(int sites, unsigned seed) {
         const double x = draw();
         places.push_back({x, draw()});
     }
-    return *ps::make_space(mesh::delaunay(places)->mesh);
+    return *ps::make_space(mesh::delaunay(places, {.peel = 0.01})->mesh);
 }
 
 ps::Coefficients franke_spline(const ps::Space& space) {

@@ -51,10 +51,11 @@ class BezierTriangles(Points):
                 found.append([*point, np.dot(weights, value[net]), *np.dot(weights, gradient[net])])
         found = np.array(found)
         own = self.evaluated(self.file, found[:, :2], 1)
-        # Heights up to 12 and slopes up to 10, at places with a rounding of 1e-15; second derivatives reach 1e3.
+        # Heights up to 12 and slopes up to 10, at places with a rounding of 1e-15; second derivatives reach 1e3,
+        # in slivers at the hull 1e5.
         np.testing.assert_allclose(found[:, 2], own[:, 0], rtol=0, atol=1e-12)
         np.testing.assert_allclose(found[:, 3], own[:, 0], rtol=0, atol=1e-12)
-        np.testing.assert_allclose(found[:, 4:], own[:, 1:], rtol=0, atol=1e-10)
+        np.testing.assert_allclose(found[:, 4:], own[:, 1:], rtol=0, atol=1e-9)
 
     def test_tessellation(self):
         """The triangles that VTK draws: two levels of subdivision, points in float."""

@@ -14,7 +14,7 @@ struct DelaunayOptions {
     /// Slivers at the hull are peeled off: triangles on a boundary edge AB whose third corner C is
     /// an interior vertex, projects into AB and has orient(A, B, C) < peel |AB|^2, repeatedly. No
     /// vertex is lost. 0 keeps the convex hull, but for triangles that `build` would refuse.
-    double peel = 0.01;
+    double peel = 3e-4;
     /// Points that are closer than this, also over others in between, become one vertex at the
     /// place of the first of them. 0: only those at one place.
     double merge_distance = 0;
