@@ -6,6 +6,7 @@
 #include "relief/codec/point_codec.h"
 #include "relief/mesh/delaunay.h"
 #include "relief/mesh/triangle_locator.h"
+#include "relief/multires/ps_interpolant.h"
 #include "relief/multires/ps_refine.h"
 #include "relief/multires/ps_surface.h"
 
@@ -72,38 +73,13 @@ Result<EncodedPs> encode(const PsModel& model, const Goal& goal, bool keep_order
                  encoded.error().where};
 }
 
-/// The weighted mean of the values at each vertex; the plain one where all weights are zero.
-std::vector<double> means(const PsData& data, std::size_t component,
-                          const mesh::Delaunay& delaunay) {
-    struct Sum {
-        double values = 0;
-        double count = 0;
-        double weighted = 0;
-        double weights = 0;
-    };
-    const std::vector<double>& values = data.values[component];
-    std::vector<Sum> sums(delaunay.mesh.vertex_count());
-    for (std::size_t k = 0; k < values.size(); ++k) {
-        Sum& sum = sums[delaunay.vertex_of_point[k]];
-        const double weight = data.weights.empty() ? 1 : data.weights[k];
-        sum.values += values[k];
-        sum.count += 1;
-        sum.weighted += weight * values[k];
-        sum.weights += weight;
-    }
-    std::vector<double> means(sums.size());
-    std::transform(sums.begin(), sums.end(), means.begin(), [](const Sum& sum) {
-        return sum.weights > 0 ? sum.weighted / sum.weights : sum.values / sum.count;
-    });
-    return means;
-}
-
 Result<EncodedPoints> interpolate(const Task& task, const Interpolation& method) {
     const PsData& data = task.data;
     RELIEF_TRY(mesh::Delaunay delaunay, mesh::delaunay(data.points));
     PsValues values{{}, method.gradients};
-    for (std::size_t m = 0; m < data.values.size(); ++m)
-        values.components.push_back(means(data, m, delaunay));
+    for (const std::vector<double>& of_points : data.values)
+        values.components.push_back(ps::vertex_means(
+            delaunay.mesh.vertex_count(), delaunay.vertex_of_point, of_points, data.weights));
     EncodedPoints result;
     result.merged = data.points.size() - delaunay.mesh.vertex_count();
     const PsModel model{std::move(delaunay.mesh), std::move(values), data, task.reference};
