@@ -20,9 +20,10 @@ Status check(std::span<const Vec2> points, std::span<const double> values) {
     const auto bad = std::find_if(values.begin(), values.end(),
                                   [](double z) { return !(std::abs(z) <= kLargest); });
     if (bad == values.end()) return {};
-    return bad_input("non_finite_data: its value is not a number of at most 1e150; leave the point "
-                     "out or correct it",
-                     "point " + std::to_string(bad - values.begin()));
+    return bad_input(
+        "non_finite_data: its value is not a number of at most 1e150; leave the point "
+        "out or correct it",
+        "point " + std::to_string(bad - values.begin()));
 }
 
 Result<TangentPlanes> planes_of(const mesh::Triangulation& mesh, std::span<const double> values,
