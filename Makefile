@@ -3,12 +3,17 @@ JOBS ?= $(shell nproc)
 BUILD := build/release
 export RELIEF_COMPILER_LAUNCHER ?= $(shell command -v ccache)
 
-.PHONY: help setup build demo test bench reproduce format check fuzz asan tsan clean
+PREFIX ?= /usr/local
+MANIFEST := $(DESTDIR)$(PREFIX)/share/relief/installed.txt
+
+.PHONY: help install uninstall package setup build demo test bench reproduce format check fuzz asan tsan clean
 
 help:
 	@echo "make demo       encode, decode, compare and draw a real elevation model (build/demo)"
 	@echo "make test       build and run all tests"
 	@echo "make build      build only: $(BUILD)/relief"
+	@echo "make install    into PREFIX=$(PREFIX): program, library, headers, CMake package, pages; make uninstall"
+	@echo "make package    a Debian package of the same, build/relief_VERSION_ARCHITECTURE.deb"
 	@echo "make bench      benchmarks and the comparisons with other libraries, in one run"
 	@echo "make reproduce  the source papers' numbers beside ours"
 	@echo "make check      formatting, static analysis, include rule, links and examples of the documentation"
@@ -29,6 +34,20 @@ demo: build
 test: build
 	@tools/check_includes
 	@ctest --test-dir $(BUILD) --output-on-failure -j $(JOBS)
+
+install: build
+	@cmake --install $(BUILD) --prefix $(PREFIX) >/dev/null
+	@install -D -m 644 $(BUILD)/install_manifest.txt $(MANIFEST)
+	@echo "installed under $(PREFIX)"
+
+# What `make install` wrote, by its list; folders that are empty then, too.
+uninstall:
+	@tools/uninstall $(MANIFEST)
+
+package: build
+	@cpack -G DEB --config $(BUILD)/CPackConfig.cmake -B build >/dev/null
+	@rm -rf build/_CPack_Packages
+	@ls build/*.deb
 
 # Libraries that can not be installed are left out of the comparisons. BENCH=--quick, --peers, --meshes, --points ..: see tools/bench.
 bench:
