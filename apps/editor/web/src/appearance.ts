@@ -135,6 +135,7 @@ export class Appearance {
             point: hex("--net-point"),
             line: hex("--net-line"),
             selected: hex("--net-selected"),
+            triangle: hex("--net-triangle"),
         });
         this.colour();
         this.edges();

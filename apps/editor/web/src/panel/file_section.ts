@@ -32,7 +32,7 @@ function describe(hello: Hello): string {
         kinds[hello.kind],
         size,
         scheme,
-        hello.crs,
+        format.crs(hello.crs),
         hello.bytes ? format.bytes(hello.bytes) : "",
     ]
         .filter((part) => part !== "")
