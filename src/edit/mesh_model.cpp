@@ -224,13 +224,8 @@ Result<Change> MeshModel::changes(const View& view, const std::vector<TileName>&
     const std::vector<Index>& moved =
         touched_[static_cast<std::size_t>(depth_of(view.level))].vertices;
     if (view.show == View::Show::Edited) {
-        const MeshDrawing drawn = drawing(view.level, points_);
-        change.surface = drawn.patch(moved, view.extras);
+        change.surface = drawing(view.level, points_).patch(moved, view.extras);
         change.surface.level = view.level;
-        if (view.net && !moved.empty()) {
-            change.net = drawn.net_of(moved);
-            change.net->level = view.level;
-        }
     }
     for (Touched& touched : touched_) {
         for (const Index v : touched.vertices) touched.is_touched[v] = false;

@@ -193,11 +193,6 @@ Result<Change> PlaneModel::changes(const View& view, const std::vector<TileName>
     change.surface.normal = std::move(drawn.normal);
     change.surface.error = std::move(drawn.error);
     change.surface.curvature = std::move(drawn.curvature);
-    if (!view.net || level(view.level).vertex_count() > kWholeNet) return change;
-    const auto edited = spline(View::Show::Edited, view.level);
-    NetGeometry& net = change.net.emplace();
-    net.level = view.level;
-    for (const Index v : changed) add_to_net(*edited, view.level, v, net);
     return change;
 }
 

@@ -248,11 +248,15 @@ void RasterModel::widen(const TileGeometry& tile) const {
     for (std::size_t k = 0; k < tile.position.size(); ++k)
         if (valid(k))
             include(bounds_, {tile.position[k][0], tile.position[k][1], tile.position[k][2]});
+    float low = HUGE_VALF, high = -HUGE_VALF;
     for (std::size_t k = 0; k < tile.height.size(); ++k) {
         if (!valid(k)) continue;
-        include(bounds_, {tile.x0, tile.y0, tile.height[k]});
-        include(bounds_, {tile.x1, tile.y1, tile.height[k]});
+        low = std::min(low, tile.height[k]);
+        high = std::max(high, tile.height[k]);
     }
+    if (!(low <= high)) return;
+    include(bounds_, {tile.x0, tile.y0, low});
+    include(bounds_, {tile.x1, tile.y1, high});
 }
 
 Result<TileGeometry> RasterModel::tile(const View& view, const TileName& name) const {
@@ -295,22 +299,6 @@ Result<NetGeometry> RasterModel::net(int level, const std::optional<LatticeBox>&
     return draw_net(*net, all, frame_, all_);
 }
 
-Result<NetGeometry> RasterModel::changed_net(const View& view) const {
-    const LatticeBox window = net_ ? net_->window() : LatticeBox();
-    const LatticeBox all = multires::scaling_box(bare_->layout(), view.level);
-    if (!net_ || net_->level() != view.level) return net(view.level, {});
-    NetGeometry out;
-    out.level = view.level;
-    for (const multires::Move& move : changed_) {
-        if (move.level != view.level || !window.contains(move.row, move.col)) continue;
-        const Vec3<double> p = net_->place(frame_, all_, move.row, move.col);
-        out.position.push_back(
-            {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
-        out.point.push_back(static_cast<std::uint32_t>(number_of(all, move.row, move.col)));
-    }
-    return out;
-}
-
 Result<Change> RasterModel::changes(const View& view, const std::vector<TileName>& held) {
     Change change;
     const std::vector<LatticeBox> boxes = touched_boxes(bare_->layout(), changed_, view.level);
@@ -326,9 +314,6 @@ Result<Change> RasterModel::changes(const View& view, const std::vector<TileName
             RELIEF_TRY(TileGeometry part, draw(view, name, rect));
             change.tiles.push_back(std::move(part));
         }
-    }
-    if (view.net && follows && !changed_.empty()) {
-        RELIEF_TRY(change.net, changed_net(view));
     }
     changed_.clear();
     return change;

@@ -131,9 +131,7 @@ std::uint64_t Session::revision() const {
 
 Status Session::set_view(const View& view) {
     RELIEF_CHECK(state_->check_level(view.level));
-    const bool same_tiles = view.level == state_->view.level && view.show == state_->view.show &&
-                            view.extras == state_->view.extras;
-    if (!same_tiles) state_->held.clear();
+    if (!(view == state_->view)) state_->held.clear();
     state_->view = view;
     return {};
 }

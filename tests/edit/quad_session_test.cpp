@@ -168,11 +168,6 @@ TEST(QuadSession, PatchesAreAsLargeAsTheMove) {
     const std::size_t inside = (4 * 9 - 1) * (4 * 9 - 1);
     EXPECT_EQ(change->surface.at.size(), inside);
     EXPECT_GT(page.differing(before), inside * 9 / 10);
-    // The net that is shown follows.
-    ASSERT_TRUE(session.set_view({.net = true}).ok());
-    const auto down = session.undo();
-    ASSERT_TRUE(down.ok() && down->net);
-    EXPECT_EQ(down->net->point.size(), 9U);
 }
 
 TEST(QuadSession, LevelsLeaveOutWhatIsFiner) {

@@ -106,7 +106,7 @@ Status Conversation::view(PageId page, const Request& request) {
     RELIEF_TRY(view.extras, extras_of(body));
     Page& state = pages_[page];
     Page wanted{view};
-    if (state.view && same_surface(*state.view, view)) wanted.tiles = state.tiles;
+    if (state.view == view) wanted.tiles = state.tiles;
     if (raster) wanted.net = state.net;
     if (!raster && body.value("net", Json(false)) == true) {
         wanted.net.emplace();
