@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "edit/touched_boxes.h"
@@ -16,10 +15,6 @@ constexpr std::int64_t kWholeNet = 65536;
 /// Tiles of the file's surface that are kept: some 100 MB.
 constexpr std::size_t kCachedTiles = 256;
 constexpr double kLargest = 1e300;  ///< what files keep
-
-Error wrong(std::string what) {
-    return {ErrorCode::InvalidArgument, std::move(what), ""};
-}
 
 /// A part of a row by row array.
 template <class T>
@@ -68,16 +63,6 @@ std::int64_t normals_reach(const multires::SchemeSpec& spec) {
 LatticeBox grown(const LatticeBox& box, std::int64_t by) {
     return {box.row0 - by, box.col0 - by, box.rows + 2 * by, box.cols + 2 * by};
 }
-
-void include(Bounds& bounds, const Vec3<double>& p) {
-    bounds.min = {std::min(bounds.min.x, p.x), std::min(bounds.min.y, p.y),
-                  std::min(bounds.min.z, p.z)};
-    bounds.max = {std::max(bounds.max.x, p.x), std::max(bounds.max.y, p.y),
-                  std::max(bounds.max.z, p.z)};
-}
-
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr Bounds kNothing{{kInfinite, kInfinite, kInfinite}, {-kInfinite, -kInfinite, -kInfinite}};
 
 }  // namespace
 

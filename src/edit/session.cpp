@@ -13,10 +13,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-Error wrong(std::string what) {
-    return {ErrorCode::InvalidArgument, std::move(what), ""};
-}
-
 Result<std::unique_ptr<Model>> open_model(const std::shared_ptr<const ByteSource>& file,
                                           const OpenOptions& options) {
     const auto content = codec::content_of(file);
