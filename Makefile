@@ -30,7 +30,7 @@ test: build
 	@tools/check_includes
 	@ctest --test-dir $(BUILD) --output-on-failure -j $(JOBS)
 
-# Libraries that can not be installed are left out of the comparisons. BENCH=--quick, --peers, --meshes, --points ..: see tools/bench.
+# Libraries that can not be installed are left out of the comparisons. BENCH=--quick, --peers, --meshes, --points, --editor ..: see tools/bench.
 bench:
 	@tools/setup bench/packages.txt || true
 	@$(MAKE) --no-print-directory build

@@ -193,6 +193,11 @@ Status Conversation::forget(PageId page, const Request& request) {
 }
 
 Status Conversation::net(PageId page, const Request& request) {
+    if (request.body.value("level", Json(0)).is_null()) {
+        pages_[page].net.reset();
+        say_ok(page, request.id);
+        return {};
+    }
     Net net;
     RELIEF_TRY(net.level, level_of(request.body, "level", session_));
     if (const auto window = request.body.find("window"); window != request.body.end()) {

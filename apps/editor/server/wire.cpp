@@ -111,7 +111,7 @@ class Message {
 template <class Geometry>
 void add_samples(Message& message, const Geometry& geometry) {
     message.add_some("position", geometry.position);
-    message.add("normal", geometry.normal);
+    message.add_some("normal", geometry.normal);
     message.add_some("error", geometry.error);
     message.add_some("curvature", geometry.curvature);
 }
