@@ -1,5 +1,6 @@
 // Takes the pictures of docs/editor.md: run by tools/make_screenshots, which names a terrain (DEM).
 
+import { spawnSync } from "node:child_process";
 import { test } from "node:test";
 import { Browser, relief, Scratch } from "./driver.mjs";
 
@@ -54,11 +55,9 @@ test("mesh", async () => {
     const file = scratch.path("ring.relief");
     relief("encode", fine, file);
     await browser.view([file], async (editor) => {
-        await editor.showNet(3);
-        await editor.select(await pointNear(editor, 0.4, 0.62));
-        await editor.page.getByLabel("Falloff").check();
-        await editor.fill("radius", 1.2);
-        await editor.moveBy({ x: 0, y: 0, z: 1.2 });
+        await editor.showNet(4);
+        await editor.select(await pointNear(editor, 0.458, 0.7));
+        await editor.moveBy({ x: 0, y: 0, z: 2 });
         await take(editor, "editor-mesh");
     });
 });
@@ -70,7 +69,6 @@ test("control triangles", async () => {
     const file = scratch.path("franke.relief");
     relief("fit", points, file, "--vertices", 40, "--levels", 1);
     await browser.view([file], async (editor) => {
-        await editor.colourBy("height");
         await editor.showNet(1);
         await editor.press("t");
         await editor.select(await pointNear(editor, 0.5, 0.5));
@@ -80,7 +78,7 @@ test("control triangles", async () => {
 
 test("errors", () =>
     browser.view([terrain], async (editor) => {
-        await editor.fill("bound", 20);
+        await editor.fill("bound", 100);
         await editor.page.waitForFunction(() => window.editor.state.compressed !== null);
         await editor.colourBy("error");
         await editor.page.locator("#bound-slider").scrollIntoViewIfNeeded();
@@ -99,17 +97,20 @@ test("dark", () =>
     ));
 
 test("bases", async () => {
-    const flat = scratch.file("bump.tif", (path) => relief("sample", "bump", path, "--size", 65));
+    const flat = scratch.path("flat.tif");
+    const size = ["-outsize", 65, 65, "-a_ullr", 0, 65, 65, 0].map(String);
+    spawnSync("gdal_create", ["-q", "-ot", "Float32", "-burn", "0", ...size, flat]);
     for (const order of [1, 2]) {
         const file = scratch.path(`order-${order}.relief`);
-        relief("encode", flat, file, "--scheme", "box", "--order", order, "--lossless");
+        relief("encode", flat, file, "--scheme", "box", "--order", order, "--levels", 4);
         await browser.view([file], async (editor) => {
             await editor.showNet(3);
             const { rows, cols } = await editor.state((e) => e.file.levels[3]);
             const middle = (rows >> 1) * cols + (cols >> 1);
             await editor.select(middle);
-            const height = await editor.state((e) => e.file.max[0] - e.file.min[0]);
-            await editor.moveBy({ z: height / 4 });
+            await editor.moveBy({ z: 8 });
+            await editor.colourBy("slope");
+            await editor.press(...Array(4).fill("Shift+ArrowDown"));
             await take(editor, `bases-${order}`);
         });
     }

@@ -203,6 +203,10 @@ test("an image is laid over terrain, and what is seen is saved", async () => {
         await editor.screenshot("terrain-draped");
         const draped = await pixels();
         assert.notEqual(draped, bare);
+        assert.ok(
+            !(await editor.page.locator(".legend").isVisible()),
+            "no legend of hidden colours",
+        );
         await editor.press("i");
         assert.equal(await editor.state((e) => e.state.drape), "hidden");
         await editor.press("i");
