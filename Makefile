@@ -49,7 +49,7 @@ package: build
 	@rm -rf build/_CPack_Packages
 	@ls build/*.deb
 
-# Libraries that can not be installed are left out of the comparisons. BENCH=--quick, --peers, --meshes, --points ..: see tools/bench.
+# Libraries that can not be installed are left out of the comparisons. BENCH=--quick, --peers, --meshes, --points, --editor ..: see tools/bench.
 bench:
 	@tools/setup bench/packages.txt || true
 	@$(MAKE) --no-print-directory build
