@@ -54,19 +54,33 @@ FaceSums sums_of(const MovingMesh& mesh, const mesh::TriangleTree& surface, Inde
     return sums;
 }
 
+/// Vertices of flipped faces go back to the surface, where no face need be flipped.
+void return_flipped(MovingMesh& mesh) {
+    std::vector<Index> wrong = mesh.flips();
+    while (!wrong.empty()) {
+        const Index f = wrong.back();
+        wrong.pop_back();
+        if (!mesh.flipped(f)) continue;
+        for (Index k = 0; k < 3; ++k) {
+            const Index v = mesh.corners[3 * f + k];
+            if (mesh.points[v] == mesh.surface->point(mesh.places[v])) continue;
+            mesh.put(v, mesh.places[v]);
+            for (const Index c : mesh.corners_at(v)) wrong.push_back(c / 3);
+        }
+    }
+}
+
 }  // namespace
 
 void fit(MovingMesh& mesh, const mesh::TriangleTree& surface, int rounds) {
     std::vector<FaceSums> sums(mesh.face_count());
-    std::vector<Point> before;
     for (int round = 0; round < rounds; ++round) {
         parallel_for(0, static_cast<std::int64_t>(sums.size()), kGrain,
                      [&](std::int64_t begin, std::int64_t end) {
                          for (auto f = static_cast<Index>(begin); f < end; ++f)
                              sums[f] = sums_of(mesh, surface, f);
                      });
-        before = mesh.points;
-        for (Index v = 0; v < before.size(); ++v) {
+        for (Index v = 0; v < mesh.points.size(); ++v) {
             if (mesh.fixed[v]) continue;
             double weight = 0;
             double distance = 0;
@@ -76,12 +90,8 @@ void fit(MovingMesh& mesh, const mesh::TriangleTree& surface, int rounds) {
             }
             if (weight > 0) mesh.points[v] += distance / weight * unit(mesh.normals[v]);
         }
-        for (Index f = 0; f < sums.size(); ++f) {
-            if (!mesh.flipped(f)) continue;
-            for (Index k = 0; k < 3; ++k)
-                mesh.points[mesh.corners[3 * f + k]] = before[mesh.corners[3 * f + k]];
-        }
     }
+    return_flipped(mesh);
 }
 
 }  // namespace relief::remesh

@@ -45,24 +45,20 @@ std::vector<double> smoothed(const mesh::Topology& mesh, const std::vector<doubl
 /// The weights that errors give to vertices.
 class ErrorWeights {
   public:
-    explicit ErrorWeights(const MovingMesh& mesh) : mesh_(mesh), weights_(mesh.points.size(), 1) {}
+    ErrorWeights(const MovingMesh& mesh, const mesh::TriangleTree& tree)
+        : mesh_(mesh), tree_(tree), weights_(mesh.points.size(), 1) {}
 
     [[nodiscard]] double operator[](Index v) const { return weights_[v]; }
 
     void measure() {
-        const Reverse reverse = distances_from(mesh_);
-        std::vector<double> of_face(mesh_.face_count(), 0);
-        for (std::size_t v = 0; v < reverse.faces.size(); ++v)
-            of_face[reverse.faces[v]] = std::max(of_face[reverse.faces[v]], reverse.distances[v]);
+        std::vector<double> errors = errors_at_vertices(mesh_, tree_);
         double area = 0;
-        std::vector<double> errors(weights_.size(), 0);
-        for (Index f = 0; f < of_face.size(); ++f) {
+        for (Index f = 0; f < mesh_.face_count(); ++f) {
             const Index* v = mesh_.corners.data() + 3 * f;
             area += length(cross(mesh_.points[v[1]] - mesh_.points[v[0]],
                                  mesh_.points[v[2]] - mesh_.points[v[0]]));
-            for (Index k = 0; k < 3; ++k) errors[v[k]] = std::max(errors[v[k]], of_face[f]);
         }
-        const double edge = std::sqrt(area / static_cast<double>(of_face.size()));
+        const double edge = std::sqrt(area / static_cast<double>(mesh_.face_count()));
         for (int k = 0; k < 3; ++k) spread(errors);
         for (std::size_t v = 0; v < weights_.size(); ++v)
             weights_[v] =
@@ -84,6 +80,7 @@ class ErrorWeights {
     }
 
     const MovingMesh& mesh_;
+    const mesh::TriangleTree& tree_;
     std::vector<double> weights_;
 };
 
@@ -128,8 +125,29 @@ Reverse distances_from(const MovingMesh& mesh) {
     return reverse;
 }
 
-void relax(MovingMesh& mesh, const std::vector<double>& curvature, int rounds) {
-    ErrorWeights errors(mesh);
+std::vector<double> errors_at_vertices(const MovingMesh& mesh, const mesh::TriangleTree& tree) {
+    std::vector<double> of_face(mesh.face_count());
+    parallel_for(0, static_cast<std::int64_t>(of_face.size()), kGrain,
+                 [&](std::int64_t begin, std::int64_t end) {
+                     for (auto f = static_cast<Index>(begin); f < end; ++f) {
+                         const Index* v = mesh.corners.data() + 3 * f;
+                         const Point centre =
+                             1.0 / 3 * (mesh.points[v[0]] + mesh.points[v[1]] + mesh.points[v[2]]);
+                         of_face[f] = tree.closest(centre).distance;
+                     }
+                 });
+    const Reverse reverse = distances_from(mesh);
+    for (std::size_t v = 0; v < reverse.faces.size(); ++v)
+        of_face[reverse.faces[v]] = std::max(of_face[reverse.faces[v]], reverse.distances[v]);
+    std::vector<double> errors(mesh.points.size(), 0);
+    for (Index c = 0; c < mesh.corners.size(); ++c)
+        errors[mesh.corners[c]] = std::max(errors[mesh.corners[c]], of_face[c / 3]);
+    return errors;
+}
+
+void relax(MovingMesh& mesh, const std::vector<double>& curvature, const mesh::TriangleTree& tree,
+           int rounds) {
+    ErrorWeights errors(mesh, tree);
     std::vector<double> densities(mesh.points.size());
     std::vector<Point> centres(mesh.face_count());
     std::vector<double> weights(mesh.face_count());
