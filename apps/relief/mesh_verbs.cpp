@@ -13,7 +13,6 @@
 #include "relief/io/file_kind.h"
 #include "relief/io/mesh.h"
 #include "relief/mesh/closest.h"
-#include "relief/mesh/repair.h"
 
 namespace relief::cli {
 
@@ -50,26 +49,6 @@ std::string text_of(const std::string& out, codec::MeshDistance distance,
             "warning: crease_without_parent: {} sharp edges are no part of sharp edges of the "
             "coarser meshes; they stay sharp at the finest level only\n",
             report.lost_creases);
-    return text;
-}
-
-std::string text_of(const mesh::RepairCounts& counts) {
-    if (counts.nothing()) return "nothing had to be repaired\n";
-    std::string text = "repaired:";
-    const auto say = [&](std::uint64_t count, const char* what) {
-        if (count > 0)
-            text += fmt::format(" {} {},", grouped(static_cast<std::int64_t>(count)), what);
-    };
-    say(counts.faces_dropped, "bad faces dropped");
-    say(counts.duplicates_dropped, "duplicate faces dropped");
-    say(counts.corners_dropped, "repeated corners dropped");
-    say(counts.faces_added, "faces cut at a repeated corner");
-    say(counts.faces_turned, "faces turned");
-    say(counts.edges_cut, "edges cut");
-    say(counts.edges_split, "edges split");
-    say(counts.vertices_added, "vertices split");
-    say(counts.vertices_dropped, "unused vertices dropped");
-    text.back() = '\n';
     return text;
 }
 
@@ -197,10 +176,17 @@ Result<Outcome> encode_mesh(const MeshEncodeVerb& verb, const SchemeOptions& sch
     std::string repairs;
     if (verb.repair) {
         mesh::RepairedMesh repaired = mesh::repair(mesh);
-        repairs = text_of(repaired.counts);
+        repairs = repair_text(repaired.counts);
         mesh = std::move(repaired.mesh);
     }
-    const auto encoded = codec::encode_mesh(mesh, options);
+    if (verb.of_diagonal) options.goal.value *= Box(mesh).diagonal();
+    std::optional<remesh::Remeshed> remeshed;
+    if (verb.remesh) {
+        RELIEF_TRY(remeshed, located(verb.remesh->run(mesh, scheme.levels, globals), verb.in));
+        options.levels = remeshed->levels;
+        options.original = &mesh;
+    }
+    const auto encoded = codec::encode_mesh(remeshed ? remeshed->mesh : mesh, options);
     if (!encoded.ok()) return located(encoded.error(), verb.in);
     RELIEF_CHECK(io::write_file_atomically(verb.out, encoded->bytes));
     const codec::MeshReport& report = encoded->report;
@@ -214,8 +200,10 @@ Result<Outcome> encode_mesh(const MeshEncodeVerb& verb, const SchemeOptions& sch
                              {"base_faces", report.base_faces},
                              {"lost_creases", report.lost_creases},
                              {"distance", mesh_distance_name(verb.distance)},
+                             {"remesh", remeshed ? remesh_json(*remeshed) : Json(nullptr)},
                              {"seconds", watch.seconds()}});
-    outcome.text = repairs + text_of(verb.out, verb.distance, report);
+    outcome.text = repairs + (remeshed ? remesh_text(*remeshed) : "") +
+                   text_of(verb.out, verb.distance, report);
     return outcome;
 }
 

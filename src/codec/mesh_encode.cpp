@@ -53,7 +53,7 @@ class Encoder {
         : mesh_(mesh),
           options_(options),
           source_(std::move(source)),
-          measure_(mesh, source_.points, source_.order, options.distance),
+          measure_(mesh, source_.points, source_.order, options.distance, options.original),
           exact_(coefficients_of(source_.synthesis, source_.points)) {
         std::vector<double> all;
         for (const auto& p : source_.points) all.insert(all.end(), {p.x, p.y, p.z});
@@ -212,7 +212,7 @@ class Encoder {
     Result<Trial> search_weights(double first_step) {
         Weights weights = plain_weights();
         RELIEF_TRY(std::optional<Trial> best, search_step(weights, first_step, kSomeSamples));
-        if (!best) return search_lossless();
+        if (!best) return all_but_lossless();
         std::size_t least = size_of(*best);
         const auto climb = [&](auto next) -> Result<bool> {
             for (bool moved = false;; moved = true) {
@@ -242,9 +242,18 @@ class Encoder {
             RELIEF_TRY(const bool longer, climb_tangential(1.5));
             if (!longer) RELIEF_CHECK(climb_tangential(1 / 1.5));
             RELIEF_TRY(best, search_step(weights, best->quantisation.step, kAllSamples));
-            if (!best) return search_lossless();
+            if (!best) return all_but_lossless();
         }
         return *std::move(best);
+    }
+
+    /// No step is small enough.
+    Result<Trial> all_but_lossless() {
+        if (!options_.original) return search_lossless();
+        return Error{ErrorCode::BadInput,
+                     "goal_out_of_reach: the mesh is too far from the original, however exactly it "
+                     "is kept; remesh it with more base faces or levels, or take a larger error",
+                     ""};
     }
 
     /// Coordinates are corrected to the bit: finer steps cost details, coarser ones corrections.

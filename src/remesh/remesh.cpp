@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
@@ -26,6 +27,7 @@ using Point = Vec3<double>;
 
 /// Faces of bases that are neither wasteful nor too coarse for the shapes of scans.
 constexpr double kLeastBase = 150;
+constexpr int kMostLevels = 12;
 /// How much finer the bases are that are tried.
 constexpr std::array<double, 4> kBases = {1, 1.5, 2.25, 4};
 /// The map gives vertices down to this depth; the finer ones come from these.
@@ -55,7 +57,7 @@ Error invalid(std::string message) {
 Status check_options(const RemeshOptions& options) {
     if (options.base_faces && *options.base_faces < 1)
         return invalid("a base has at least one face");
-    if (options.levels && (*options.levels < 0 || *options.levels > 12))
+    if (options.levels && (*options.levels < 0 || *options.levels > kMostLevels))
         return invalid("levels are 0 to 12");
     if (options.feature_degrees &&
         !(*options.feature_degrees > 0 && *options.feature_degrees < 180))
@@ -68,8 +70,15 @@ Status check_options(const RemeshOptions& options) {
 /// As many as leave the base enough faces.
 int default_levels(double faces) {
     int levels = 1;
-    while (levels < 12 && faces / std::pow(4, levels + 1) >= kLeastBase) ++levels;
+    while (levels < kMostLevels && std::ldexp(faces, -2 * (levels + 1)) >= kLeastBase) ++levels;
     return levels;
+}
+
+/// A number for people.
+std::string text_of(double value) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.4g", value);
+    return text.data();
 }
 
 /// A finished mesh and how good it is.
@@ -99,7 +108,7 @@ class Remesher {
         const double faces = surface_.mesh.face_count;
         const int levels = options_.levels ? *options_.levels : default_levels(faces);
         const double base = options_.base_faces ? static_cast<double>(*options_.base_faces)
-                                                : faces / std::pow(4, levels);
+                                                : std::ldexp(faces, -2 * levels);
         for (const double factor : kBases) {
             // A finer base than the surface there is not.
             if (factor > 1 && factor * base >= faces) break;
@@ -219,8 +228,7 @@ class Remesher {
 
     [[nodiscard]] std::string place(const Point& p) const {
         const Point at = surface_.original(p);
-        return "(" + std::to_string(at.x) + ", " + std::to_string(at.y) + ", " +
-               std::to_string(at.z) + ")";
+        return "(" + text_of(at.x) + ", " + text_of(at.y) + ", " + text_of(at.z) + ")";
     }
 
     [[nodiscard]] const mesh::DirectedDistance& worst() const {
@@ -240,9 +248,8 @@ class Remesher {
         }
         if (is_good(*best_)) return {};
         return Error{ErrorCode::BadInput,
-                     "tolerance_not_met: the surfaces are " + std::to_string(worst().largest) +
-                         " of the diagonal apart there, more than " +
-                         std::to_string(options_.tolerance) +
+                     "tolerance_not_met: the surfaces are " + text_of(worst().largest) +
+                         " of the diagonal apart there, more than " + text_of(options_.tolerance) +
                          "; take more base faces or levels, or a larger tolerance",
                      place(worst().farthest)};
     }
