@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "relief/core/parallel.h"
+#include "remesh/local_search.h"
 
 namespace relief::remesh {
 
@@ -18,91 +19,19 @@ constexpr double kRoot3Half = 0.86602540378443865;
 constexpr int kUntangleRounds = 24;
 /// Faces that are as good as this are let alone.
 constexpr double kGoodFit = 0.15;
-/// Directions and lengths, in mean edges, of the moves that are tried.
-constexpr std::array<std::array<double, 2>, 8> kDirections = {
-    {{1, 0}, {0.7, 0.7}, {0, 1}, {-0.7, 0.7}, {-1, 0}, {-0.7, -0.7}, {0, -1}, {0.7, -0.7}}};
-constexpr std::array<double, 4> kLengths = {0.6, 0.25, 0.1, 0.03};
-constexpr std::array<double, 3> kTowardsMean = {1, 0.5, 0.2};
-
 double square(const Point& a) {
     return dot(a, a);
 }
 
-double fit_of(const std::array<Point, 3>& p, const Point& normal) {
-    const Point doubled = cross(p[1] - p[0], p[2] - p[0]);
-    const double longest =
-        std::max({square(p[1] - p[0]), square(p[2] - p[1]), square(p[0] - p[2])});
-    const double scale = longest * kRoot3Half * length(normal);
-    return scale > 0 ? dot(doubled, normal) / scale : 0;
-}
-
-/// Tries places for one vertex of a mesh.
-class Improvement {
-  public:
-    Improvement(const MovingMesh& mesh, Index v)
-        : mesh_(mesh), v_(v), best_(mesh.places[v]), from_(best_) {
-        score_ = before_ = score(mesh.points[v], mesh.normals[v]);
-    }
-
-    void try_all() {
-        Point mean;
-        double edges = 0;
-        for (const Index c : mesh_.corners_at(v_))
-            for (const Index k : {1U, 2U}) {
-                const Point& p = mesh_.points[mesh_.corners[c / 3 * 3 + (c + k - c / 3 * 3) % 3]];
-                mean += p;
-                edges += length(p - mesh_.points[v_]);
-            }
-        const double count = 2 * static_cast<double>(mesh_.corners_at(v_).size());
-        mean = 1 / count * mean;
-        edges /= count;
-        const Point& here = mesh_.points[v_];
-        for (const double share : kTowardsMean) attempt(share * (mean - here));
-        const Point& normal = mesh_.surface->face_normals[from_.face];
-        const Point axis = std::abs(normal.x) < 0.6 ? Point{1, 0, 0} : Point{0, 1, 0};
-        const Point u = cross(axis, normal);
-        const Point w = cross(normal, u);
-        for (const double size : kLengths)
-            for (const auto& [x, y] : kDirections) attempt(size * edges * (x * u + y * w));
-    }
-
-    [[nodiscard]] bool better() const { return score_ > before_; }
-    [[nodiscard]] const Place& best() const { return best_; }
-    [[nodiscard]] double before() const { return before_; }
-
-  private:
-    /// Of the worst face at the vertex.
-    [[nodiscard]] double score(const Point& at, const Point& normal) const {
-        double worst = 1;
-        for (const Index c : mesh_.corners_at(v_)) {
-            const Index f = c / 3 * 3;
-            std::array<Point, 3> p;
-            Point normals;
-            for (Index k = 0; k < 3; ++k) {
-                const Index u = mesh_.corners[f + k];
-                p[k] = u == v_ ? at : mesh_.points[u];
-                normals += u == v_ ? normal : mesh_.normals[u];
-            }
-            worst = std::min(worst, fit_of(p, normals));
+/// A vertex and those of the faces around it.
+void add_ring(const MovingMesh& mesh, Index v, std::vector<std::uint8_t>& seen,
+              std::vector<Index>& ring) {
+    for (const Index c : mesh.corners_at(v))
+        for (Index k = 0; k < 3; ++k) {
+            const Index u = mesh.corners[c / 3 * 3 + k];
+            if (!std::exchange(seen[u], 1)) ring.push_back(u);
         }
-        return worst;
-    }
-
-    void attempt(const Point& step) {
-        const Place place = walk(*mesh_.surface, from_, step);
-        const double reached = score(mesh_.surface->point(place), mesh_.surface->normal(place));
-        if (reached <= score_) return;
-        score_ = reached;
-        best_ = place;
-    }
-
-    const MovingMesh& mesh_;
-    Index v_;
-    Place best_;
-    Place from_;
-    double before_ = 0;
-    double score_ = 0;
-};
+}
 
 }  // namespace
 
@@ -130,8 +59,30 @@ void MovingMesh::put(Index v, const Place& place) {
 
 double MovingMesh::fit(Index face) const {
     const Index* v = corners.data() + 3 * face;
-    return fit_of({points[v[0]], points[v[1]], points[v[2]]},
-                  normals[v[0]] + normals[v[1]] + normals[v[2]]);
+    const Point& a = points[v[0]];
+    const Point& b = points[v[1]];
+    const Point& c = points[v[2]];
+    const Point normal = normals[v[0]] + normals[v[1]] + normals[v[2]];
+    const double longest = std::max({square(b - a), square(c - b), square(a - c)});
+    const double scale = longest * kRoot3Half * length(normal);
+    return scale > 0 ? dot(cross(b - a, c - a), normal) / scale : 0;
+}
+
+double MovingMesh::worst_fit(Index v) const {
+    double worst = 1;
+    for (const Index c : corners_at(v)) worst = std::min(worst, fit(c / 3));
+    return worst;
+}
+
+std::vector<Index> MovingMesh::around(std::span<const Index> faces) const {
+    std::vector<std::uint8_t> seen(points.size(), 0);
+    std::vector<Index> near;
+    for (const Index f : faces)
+        for (Index k = 0; k < 3; ++k)
+            if (!std::exchange(seen[corners[3 * f + k]], 1)) near.push_back(corners[3 * f + k]);
+    const std::size_t inner = near.size();
+    for (std::size_t i = 0; i < inner; ++i) add_ring(*this, near[i], seen, near);
+    return near;
 }
 
 std::vector<Index> MovingMesh::flips() const {
@@ -179,29 +130,11 @@ void MovingMesh::move(const std::vector<Point>& steps) {
 
 void MovingMesh::untangle() {
     for (int round = 0; round < kUntangleRounds; ++round) {
-        // Two rings around flipped faces, the ones beside them first.
-        std::vector<Index> near;
-        std::vector<std::uint8_t> seen(places.size(), 0);
-        for (const Index f : flips())
-            for (Index k = 0; k < 3; ++k)
-                if (!std::exchange(seen[corners[3 * f + k]], 1)) near.push_back(corners[3 * f + k]);
-        if (near.empty()) return;
-        const std::size_t inner = near.size();
-        for (std::size_t i = 0; i < inner; ++i)
-            for (const Index c : corners_at(near[i]))
-                for (const Index k : {0U, 1U, 2U})
-                    if (!std::exchange(seen[corners[c / 3 * 3 + k]], 1))
-                        near.push_back(corners[c / 3 * 3 + k]);
+        const std::vector<Index> wrong = flips();
         bool moved = false;
-        for (const Index v : near) {
-            if (fixed[v]) continue;
-            Improvement improvement(*this, v);
-            if (improvement.before() > kGoodFit) continue;
-            improvement.try_all();
-            if (!improvement.better()) continue;
-            put(v, improvement.best());
-            moved = true;
-        }
+        for (const Index v : around(wrong))
+            if (!fixed[v] && worst_fit(v) <= kGoodFit)
+                moved = try_places(*this, v, [&] { return worst_fit(v); }) || moved;
         if (!moved) return;
     }
 }

@@ -34,6 +34,10 @@ struct MovingMesh {
     [[nodiscard]] double fit(mesh::Index face) const;
     [[nodiscard]] bool flipped(mesh::Index face) const { return !(fit(face) > 0); }
     [[nodiscard]] std::vector<mesh::Index> flips() const;
+    /// Of the faces at a vertex.
+    [[nodiscard]] double worst_fit(mesh::Index v) const;
+    /// The vertices of faces, followed by those next to them.
+    [[nodiscard]] std::vector<mesh::Index> around(std::span<const mesh::Index> faces) const;
 
     /// Moves all vertices that are not fixed; vertices of faces that would be flipped and are not
     /// now stay, until there are none. Complexity: O(n).

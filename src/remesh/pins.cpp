@@ -1,7 +1,11 @@
 #include "remesh/pins.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
+#include "relief/core/parallel.h"
+#include "remesh/local_search.h"
 #include "remesh/relax.h"
 
 namespace relief::remesh {
@@ -17,10 +21,25 @@ constexpr std::size_t kMostPins = 1000;
 /// Pins of one round are so far apart, in mean edges.
 constexpr double kApart = 2;
 
-double worst_fit(const MovingMesh& mesh, Index v) {
-    double worst = 1;
-    for (const Index c : mesh.corners_at(v)) worst = std::min(worst, mesh.fit(c / 3));
-    return worst;
+/// The points of a face that are measured, besides its corners: inside and on its sides.
+constexpr std::array<std::array<double, 3>, 7> kSamples = {{{1.0 / 3, 1.0 / 3, 1.0 / 3},
+                                                            {0.6, 0.2, 0.2},
+                                                            {0.2, 0.6, 0.2},
+                                                            {0.2, 0.2, 0.6},
+                                                            {0.5, 0.5, 0},
+                                                            {0, 0.5, 0.5},
+                                                            {0.5, 0, 0.5}}};
+constexpr int kNearRounds = 4;
+constexpr std::int64_t kGrain = 256;
+
+double distance_of(const MovingMesh& mesh, const mesh::TriangleTree& tree, Index face) {
+    const Index* v = mesh.corners.data() + 3 * face;
+    double most = 0;
+    for (const auto& w : kSamples)
+        most = std::max(most, tree.closest(w[0] * mesh.points[v[0]] + w[1] * mesh.points[v[1]] +
+                                           w[2] * mesh.points[v[2]])
+                                  .distance);
+    return most;
 }
 
 /// Moves that vertex of the faces at a corner of `face` to a place that the faces around it like
@@ -37,9 +56,9 @@ bool pin(MovingMesh& mesh, Index face, const Place& place) {
     for (const Index v : tried) {
         if (mesh.fixed[v]) continue;
         const Place before = mesh.places[v];
-        const double least = std::min(kLeastFit, worst_fit(mesh, v));
+        const double least = std::min(kLeastFit, mesh.worst_fit(v));
         mesh.put(v, place);
-        const double fit = worst_fit(mesh, v);
+        const double fit = mesh.worst_fit(v);
         mesh.put(v, before);
         if (fit <= 0 || fit < least || fit <= best_fit) continue;
         best = v;
@@ -89,6 +108,34 @@ std::size_t pin_far_vertices(MovingMesh& mesh, double tolerance) {
         pinned += pin(mesh, reverse.faces[v], place);
     }
     return pinned;
+}
+
+void draw_near(MovingMesh& mesh, const mesh::TriangleTree& tree, double tolerance) {
+    std::vector<double> distances(mesh.face_count());
+    for (int round = 0; round < kNearRounds; ++round) {
+        parallel_for(0, static_cast<std::int64_t>(distances.size()), kGrain,
+                     [&](std::int64_t begin, std::int64_t end) {
+                         for (auto f = static_cast<Index>(begin); f < end; ++f)
+                             distances[f] = distance_of(mesh, tree, f);
+                     });
+        std::vector<Index> far;
+        for (Index f = 0; f < distances.size(); ++f)
+            if (distances[f] > tolerance) far.push_back(f);
+        bool moved = false;
+        for (const Index v : mesh.around(far)) {
+            if (mesh.fixed[v]) continue;
+            const double least = std::min(kLeastFit, mesh.worst_fit(v));
+            const bool better = try_places(mesh, v, [&] {
+                if (mesh.worst_fit(v) < least) return -HUGE_VAL;
+                double most = 0;
+                for (const Index c : mesh.corners_at(v))
+                    most = std::max(most, distance_of(mesh, tree, c / 3));
+                return -most;
+            });
+            moved = better || moved;
+        }
+        if (!moved) return;
+    }
 }
 
 }  // namespace relief::remesh

@@ -18,4 +18,8 @@ namespace relief::remesh {
 /// where no face flips, and fixes them there. Returns how many. Complexity: O(n log n).
 std::size_t pin_far_vertices(MovingMesh& mesh, double tolerance);
 
+/// Moves vertices of faces that are farther from the surface than the tolerance to where the
+/// farthest of the faces around them is nearer. tree: of the surface. Complexity: O(n log n).
+void draw_near(MovingMesh& mesh, const mesh::TriangleTree& tree, double tolerance);
+
 }  // namespace relief::remesh

@@ -28,15 +28,16 @@ using Point = Vec3<double>;
 /// Faces of bases that are neither wasteful nor too coarse for the shapes of scans.
 constexpr double kLeastBase = 150;
 constexpr int kMostLevels = 12;
-/// How much finer the bases are that are tried.
-constexpr std::array<double, 4> kBases = {1, 1.5, 2.25, 4};
+/// How much finer the bases are that are tried, each with the vertices that were far from what came
+/// of the one before.
+constexpr std::array<double, 4> kBases = {1, 1, 1.5, 2.5};
 /// The map gives vertices down to this depth; the finer ones come from these.
 constexpr int kMappedDepth = 3;
 constexpr int kRelaxations = 30;
 /// Vertices of the surface that are so far from the mesh, in tolerances, are locked: the base gets
 /// them. At most so often, and so many at a time, so far apart.
 constexpr double kLockBeyond = 2;
-constexpr int kLockRounds = 4;
+constexpr int kLockRounds = 3;
 constexpr std::size_t kLocks = 30;
 constexpr double kLocksApart = 0.03;
 /// Vertices are pinned where the surface is so far away, in tolerances; what is around settles.
@@ -46,6 +47,8 @@ constexpr int kPinRelaxations = 2;
 /// Vertices stay in alignment where the surface is so far away, in tolerances: first few, then
 /// more, then all.
 constexpr std::array<double, 3> kStayBeyond = {0.7, 0.35, 0};
+/// Alignment is not tried where it is so far away.
+constexpr double kHopeless = 1.25;
 constexpr int kAlignRounds = 4;
 constexpr int kAlignments = 3;
 constexpr int kFits = 2;
@@ -115,6 +118,7 @@ class Remesher {
             ++attempts_;
             RELIEF_CHECK(attempt(static_cast<Index>(std::min(factor * base, faces)), levels));
             if (is_good(*best_)) break;
+            lock_far(best_->mesh, 1);
         }
         RELIEF_CHECK(check_result());
         return finish(levels);
@@ -142,58 +146,66 @@ class Remesher {
         return candidate.flips.empty() && candidate.distance.largest() <= options_.tolerance;
     }
 
-    void keep(Candidate candidate, const Levels& levels) {
-        if (best_ && !candidate.better_than(*best_)) return;
+    /// Measures a mesh; true: it is the best so far.
+    Result<bool> keep(MovingMesh mesh) {
+        fit(mesh, tree_, kFits);
+        RELIEF_TRY(auto distance,
+                   mesh::surface_distance(shape_, shape_of(mesh.points, mesh.corners)));
+        std::vector<Index> flips = mesh.flips();
+        Candidate candidate{std::move(mesh), distance, std::move(flips)};
+        if (best_ && !candidate.better_than(*best_)) return false;
         best_ = std::move(candidate);
-        best_levels_ = &levels;
+        return true;
     }
 
     /// One base: from simplification to meshes that are measured.
     Status attempt(Index base_faces, int steps) {
-        RELIEF_TRY(MovingMesh relaxed, locked(base_faces, steps));
-        const Levels& levels = *levels_.back();
-        for (int k = 0; k < kPinRounds; ++k) {
-            if (pin_far_vertices(relaxed, kPinBeyond * options_.tolerance) == 0) break;
+        std::unique_ptr<Levels> levels;
+        RELIEF_TRY(MovingMesh relaxed, locked(base_faces, steps, levels));
+        const double near = kPinBeyond * options_.tolerance;
+        for (int k = 0; k < kPinRounds && pin_far_vertices(relaxed, near) > 0; ++k)
             relax(relaxed, curvature_, tree_, kPinRelaxations);
-        }
         relaxed.untangle();
+        draw_near(relaxed, tree_, near);
         RELIEF_CHECK(go_on(0.5));
         const std::vector<double> errors = errors_at_vertices(relaxed, tree_);
-        for (std::size_t k = 0; k < kStayBeyond.size(); ++k) {
-            RELIEF_TRY(MovingMesh mesh, aligned(relaxed, errors, kStayBeyond[k], levels));
-            RELIEF_CHECK(go_on(0.6 + 0.15 * static_cast<double>(k)));
-            fit(mesh, tree_, kFits);
-            RELIEF_TRY(auto distance,
-                       mesh::surface_distance(shape_, shape_of(mesh.points, mesh.corners)));
-            std::vector<Index> flips = mesh.flips();
-            keep({std::move(mesh), distance, std::move(flips)}, levels);
+        const bool hopeless =
+            *std::max_element(errors.begin(), errors.end()) > kHopeless * options_.tolerance;
+        bool is_best = false;
+        for (const double stay_beyond : kStayBeyond) {
+            if (hopeless && stay_beyond > 0) continue;
+            RELIEF_TRY(MovingMesh mesh, aligned(relaxed, errors, stay_beyond, *levels));
+            RELIEF_CHECK(go_on(1 - stay_beyond / 2));
+            RELIEF_TRY(const bool better, keep(std::move(mesh)));
+            is_best = is_best || better;
             if (is_good(*best_)) break;
         }
+        if (is_best) best_levels_ = std::move(levels);
         return {};
     }
 
-    /// Relaxed meshes of the finest level, with vertices locked until none is far away.
-    Result<MovingMesh> locked(Index base_faces, int steps) {
-        std::vector<Index> locks;
+    /// The farthest vertices of the surface shall be in the base. Returns how many are new.
+    std::size_t lock_far(const MovingMesh& mesh, double tolerances) {
+        const Reverse reverse = distances_from(mesh);
+        const std::vector<Index> far = far_vertices(
+            surface_, reverse.distances, tolerances * options_.tolerance, kLocksApart, kLocks);
+        const std::size_t before = locks_.size();
+        locks_.insert(locks_.end(), far.begin(), far.end());
+        return locks_.size() - before;
+    }
+
+    /// A relaxed mesh of the finest level, with vertices locked until none is far away.
+    Result<MovingMesh> locked(Index base_faces, int steps, std::unique_ptr<Levels>& levels) {
         for (int round = 0;; ++round) {
             RELIEF_CHECK(go_on(0.1 * round));
-            const auto wanted = base_faces + static_cast<Index>(2 * locks.size());
-            RELIEF_TRY(
-                Levels levels,
-                Levels::create(
-                    surface_, Simplification(surface_, {.faces = wanted, .locked = locks}), steps));
-            MovingMesh mesh = finest(levels, steps);
-            const Reverse reverse = distances_from(mesh);
-            const std::vector<Index> far =
-                round < kLockRounds
-                    ? far_vertices(surface_, reverse.distances, kLockBeyond * options_.tolerance,
-                                   kLocksApart, kLocks)
-                    : std::vector<Index>();
-            if (far.empty()) {
-                levels_.push_back(std::make_unique<Levels>(std::move(levels)));
-                return mesh;
-            }
-            locks.insert(locks.end(), far.begin(), far.end());
+            const auto wanted = base_faces + static_cast<Index>(2 * locks_.size());
+            RELIEF_TRY(Levels made,
+                       Levels::create(surface_,
+                                      Simplification(surface_, {.faces = wanted, .locked = locks_}),
+                                      steps));
+            levels = std::make_unique<Levels>(std::move(made));
+            MovingMesh mesh = finest(*levels, steps);
+            if (round == kLockRounds || lock_far(mesh, kLockBeyond) == 0) return mesh;
         }
     }
 
@@ -223,6 +235,7 @@ class Remesher {
         }
         mesh.fixed = relaxed.fixed;
         mesh.untangle();
+        draw_near(mesh, tree_, kPinBeyond * options_.tolerance);
         return mesh;
     }
 
@@ -250,7 +263,8 @@ class Remesher {
         return Error{ErrorCode::BadInput,
                      "tolerance_not_met: the surfaces are " + text_of(worst().largest) +
                          " of the diagonal apart there, more than " + text_of(options_.tolerance) +
-                         "; take more base faces or levels, or a larger tolerance",
+                         "; take more base faces or levels, or a larger tolerance; machine parts "
+                         "need --features 40",
                      place(worst().farthest)};
     }
 
@@ -301,9 +315,9 @@ class Remesher {
     PolygonMesh shape_;
     mesh::TriangleTree tree_;
     std::vector<double> curvature_;
-    std::vector<std::unique_ptr<Levels>> levels_;  ///< of the attempts
+    std::vector<Index> locks_;
     std::optional<Candidate> best_;
-    const Levels* best_levels_ = nullptr;
+    std::unique_ptr<Levels> best_levels_;
     std::int64_t attempts_ = 0;
     double done_ = 0;
 };
