@@ -37,17 +37,19 @@ void RemeshFlags::add_to(CLI::App& verb) {
     verb.add_option("--features", features,
                     "remeshing: edges that turn by more than so many degrees stay sharp; 40 for "
                     "machine parts. Default: none, which is best for scans");
-    verb.add_option("--tolerance", tolerance,
-                    "remeshing: the largest distance between the surfaces, as a fraction of the "
-                    "diagonal of IN (default 0.002)");
+    verb.add_option(
+        "--tolerance", tolerance,
+        "remeshing: the largest distance between the surfaces, as a fraction of the "
+        "diagonal of IN; default: 0.002, with goals 10 times an RMS error or 0.6 times a "
+        "largest one");
 }
 
-Result<remesh::Remeshed> RemeshFlags::run(const PolygonMesh& mesh, int levels,
+Result<remesh::Remeshed> RemeshFlags::run(const PolygonMesh& mesh, int levels, double otherwise,
                                           const Globals& globals) const {
     return remesh::remesh(mesh, {.base_faces = base,
                                  .levels = levels < 0 ? std::nullopt : std::optional(levels),
                                  .feature_degrees = features,
-                                 .tolerance = tolerance,
+                                 .tolerance = tolerance.value_or(otherwise),
                                  .progress = progress_bar(globals, "remeshing")});
 }
 
@@ -80,6 +82,9 @@ std::string remesh_text(const remesh::Remeshed& remeshed) {
 
 namespace {
 
+/// Of the shape alone.
+constexpr double kTolerance = 2e-3;
+
 struct Remesh {
     std::string in;
     std::string out;
@@ -98,7 +103,7 @@ Result<Outcome> run(const Remesh& options, const Globals& globals) {
         mesh = std::move(repaired.mesh);
     }
     RELIEF_TRY(const remesh::Remeshed remeshed,
-               located(options.flags.run(mesh, options.levels, globals), options.in));
+               located(options.flags.run(mesh, options.levels, kTolerance, globals), options.in));
     RELIEF_TRY(const auto missing, io::write_mesh(options.out, remeshed.mesh));
     Outcome outcome;
     outcome.json = remesh_json(remeshed);

@@ -77,6 +77,19 @@ bool set(codec::MeshMove& move, const std::vector<double>& numbers) {
     return true;
 }
 
+/// How near a remeshed surface is to be before it is coded: details that point along normals make
+/// files smaller than vertices where each extremity is.
+double tolerance_for(const codec::Goal& goal, double diagonal) {
+    constexpr double kUsual = 2e-3;
+    constexpr double kOfRms = 10;
+    constexpr double kOfMax = 0.6;
+    using Kind = codec::Goal::Kind;
+    if (!(diagonal > 0)) return kUsual;
+    if (goal.kind == Kind::RmsError) return std::max(kUsual, kOfRms * goal.value / diagonal);
+    if (goal.kind == Kind::MaxError) return kOfMax * goal.value / diagonal;
+    return 2 * kUsual;
+}
+
 constexpr FaceCount<mesh::MeshCounts> kFaces = {"faces", &mesh::MeshCounts::faces};
 
 }  // namespace
@@ -182,7 +195,9 @@ Result<Outcome> encode_mesh(const MeshEncodeVerb& verb, const SchemeOptions& sch
     if (verb.of_diagonal) options.goal.value *= Box(mesh).diagonal();
     std::optional<remesh::Remeshed> remeshed;
     if (verb.remesh) {
-        RELIEF_TRY(remeshed, located(verb.remesh->run(mesh, scheme.levels, globals), verb.in));
+        const double tolerance = tolerance_for(options.goal, Box(mesh).diagonal());
+        RELIEF_TRY(remeshed,
+                   located(verb.remesh->run(mesh, scheme.levels, tolerance, globals), verb.in));
         options.levels = remeshed->levels;
         options.original = &mesh;
     }

@@ -31,12 +31,12 @@ namespace relief::cli {
 struct RemeshFlags {
     std::optional<std::int64_t> base;
     std::optional<double> features;
-    double tolerance = 2e-3;
+    std::optional<double> tolerance;
 
     void add_to(CLI::App& verb);
-    /// levels: -1: the library's choice.
+    /// levels: -1: the library's choice. otherwise: the tolerance, if none was asked for.
     [[nodiscard]] Result<remesh::Remeshed> run(const PolygonMesh& mesh, int levels,
-                                               const Globals& globals) const;
+                                               double otherwise, const Globals& globals) const;
 
     friend bool operator==(const RemeshFlags&, const RemeshFlags&) = default;
 };

@@ -194,6 +194,7 @@ MovingMesh Levels::refined(const MovingMesh& coarse, int depth) const {
         }
     });
     MovingMesh fine(*surface_, corners_of(hierarchy_.topology(depth + 1)), std::move(places));
+    std::copy(coarse.fixed.begin(), coarse.fixed.end(), fine.fixed.begin());
     put_curves(fine, depth + 1);
     return fine;
 }

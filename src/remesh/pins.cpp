@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "relief/core/parallel.h"
 #include "remesh/local_search.h"
@@ -32,14 +33,33 @@ constexpr std::array<std::array<double, 3>, 7> kSamples = {{{1.0 / 3, 1.0 / 3, 1
 constexpr int kNearRounds = 4;
 constexpr std::int64_t kGrain = 256;
 
-double distance_of(const MovingMesh& mesh, const mesh::TriangleTree& tree, Index face) {
+/// Of the farthest of them; nothing below `enough` matters.
+double distance_of(const MovingMesh& mesh, const mesh::TriangleTree& tree, Index face,
+                   double enough) {
     const Index* v = mesh.corners.data() + 3 * face;
-    double most = 0;
-    for (const auto& w : kSamples)
-        most = std::max(most, tree.closest(w[0] * mesh.points[v[0]] + w[1] * mesh.points[v[1]] +
-                                           w[2] * mesh.points[v[2]])
-                                  .distance);
+    double most = enough;
+    for (const auto& w : kSamples) {
+        const Vec3<double> sample =
+            w[0] * mesh.points[v[0]] + w[1] * mesh.points[v[1]] + w[2] * mesh.points[v[2]];
+        most = std::max(most, tree.closest(sample, enough).distance);
+    }
     return most;
+}
+
+/// Those of some faces that are farther than the tolerance.
+std::vector<Index> far_faces(const MovingMesh& mesh, const mesh::TriangleTree& tree,
+                             const std::vector<Index>& faces, double tolerance) {
+    std::vector<std::uint8_t> is_far(faces.size());
+    parallel_for(0, static_cast<std::int64_t>(faces.size()), kGrain,
+                 [&](std::int64_t begin, std::int64_t end) {
+                     for (auto k = static_cast<std::size_t>(begin);
+                          k < static_cast<std::size_t>(end); ++k)
+                         is_far[k] = distance_of(mesh, tree, faces[k], tolerance) > tolerance;
+                 });
+    std::vector<Index> far;
+    for (std::size_t k = 0; k < faces.size(); ++k)
+        if (is_far[k]) far.push_back(faces[k]);
+    return far;
 }
 
 /// Moves that vertex of the faces at a corner of `face` to a place that the faces around it like
@@ -111,30 +131,26 @@ std::size_t pin_far_vertices(MovingMesh& mesh, double tolerance) {
 }
 
 void draw_near(MovingMesh& mesh, const mesh::TriangleTree& tree, double tolerance) {
-    std::vector<double> distances(mesh.face_count());
+    std::vector<Index> faces(mesh.face_count());
+    std::iota(faces.begin(), faces.end(), Index{0});
     for (int round = 0; round < kNearRounds; ++round) {
-        parallel_for(0, static_cast<std::int64_t>(distances.size()), kGrain,
-                     [&](std::int64_t begin, std::int64_t end) {
-                         for (auto f = static_cast<Index>(begin); f < end; ++f)
-                             distances[f] = distance_of(mesh, tree, f);
-                     });
-        std::vector<Index> far;
-        for (Index f = 0; f < distances.size(); ++f)
-            if (distances[f] > tolerance) far.push_back(f);
-        bool moved = false;
-        for (const Index v : mesh.around(far)) {
+        const std::vector<Index> near = mesh.around(far_faces(mesh, tree, faces, tolerance));
+        faces.clear();
+        for (const Index v : near) {
             if (mesh.fixed[v]) continue;
             const double least = std::min(kLeastFit, mesh.worst_fit(v));
             const bool better = try_places(mesh, v, [&] {
                 if (mesh.worst_fit(v) < least) return -HUGE_VAL;
                 double most = 0;
                 for (const Index c : mesh.corners_at(v))
-                    most = std::max(most, distance_of(mesh, tree, c / 3));
+                    most = std::max(most, distance_of(mesh, tree, c / 3, tolerance));
                 return -most;
             });
-            moved = better || moved;
+            for (const Index c : mesh.corners_at(v))
+                if (better) faces.push_back(c / 3);
         }
-        if (!moved) return;
+        std::sort(faces.begin(), faces.end());
+        faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
     }
 }
 

@@ -30,7 +30,7 @@ constexpr double kLeastBase = 150;
 constexpr int kMostLevels = 12;
 /// How much finer the bases are that are tried, each with the vertices that were far from what came
 /// of the one before.
-constexpr std::array<double, 4> kBases = {1, 1, 1.5, 2.5};
+constexpr std::array<double, 5> kBases = {1, 1, 1.5, 2.5, 4};
 /// The map gives vertices down to this depth; the finer ones come from these.
 constexpr int kMappedDepth = 3;
 constexpr int kRelaxations = 30;
@@ -49,9 +49,12 @@ constexpr int kPinRelaxations = 2;
 constexpr std::array<double, 3> kStayBeyond = {0.7, 0.35, 0};
 /// Alignment is not tried where it is so far away.
 constexpr double kHopeless = 1.25;
-constexpr int kAlignRounds = 4;
+constexpr int kAlignRounds = 7;
 constexpr int kAlignments = 3;
-constexpr int kFits = 2;
+constexpr int kFits = 1;
+/// What is nearly too far in the end is brought nearer once more.
+constexpr int kLastRounds = 2;
+constexpr double kLastBeyond = 0.9;
 
 Error invalid(std::string message) {
     return {ErrorCode::InvalidArgument, std::move(message), ""};
@@ -147,15 +150,27 @@ class Remesher {
     }
 
     /// Measures a mesh; true: it is the best so far.
-    Result<bool> keep(MovingMesh mesh) {
-        fit(mesh, tree_, kFits);
+    Result<bool> measure(const MovingMesh& mesh) {
         RELIEF_TRY(auto distance,
                    mesh::surface_distance(shape_, shape_of(mesh.points, mesh.corners)));
-        std::vector<Index> flips = mesh.flips();
-        Candidate candidate{std::move(mesh), distance, std::move(flips)};
+        Candidate candidate{mesh, distance, mesh.flips()};
         if (best_ && !candidate.better_than(*best_)) return false;
         best_ = std::move(candidate);
         return true;
+    }
+
+    /// Finishes a mesh, in two ways if the first is not good enough.
+    Result<bool> keep(MovingMesh mesh) {
+        fit(mesh, tree_, kFits);
+        RELIEF_TRY(const bool fitted, measure(mesh));
+        if (is_good(*best_)) return fitted;
+        const double near = kLastBeyond * options_.tolerance;
+        for (int k = 0; k < kLastRounds; ++k) {
+            pin_far_vertices(mesh, near);
+            draw_near(mesh, tree_, near);
+        }
+        RELIEF_TRY(const bool mended, measure(mesh));
+        return fitted || mended;
     }
 
     /// One base: from simplification to meshes that are measured.
@@ -212,6 +227,10 @@ class Remesher {
     [[nodiscard]] MovingMesh finest(const Levels& levels, int steps) const {
         const int depth = std::min(steps, kMappedDepth);
         MovingMesh mesh = levels.mapped(depth);
+        const std::vector<Index>& base = levels.base().vertices();
+        for (const Index v : locks_)
+            mesh.fixed[static_cast<std::size_t>(std::lower_bound(base.begin(), base.end(), v) -
+                                                base.begin())] = 1;
         mesh.untangle();
         relax(mesh, curvature_, tree_, kRelaxations);
         mesh.untangle();
