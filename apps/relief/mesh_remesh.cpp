@@ -127,7 +127,7 @@ void add_remesh(Program& program) {
         ->required();
     verb->add_option("OUT", options->out, "the mesh: .obj, .off, .ply, .stl, .glb")->required();
     verb->add_option("--levels", options->levels,
-                     "subdivisions of the base mesh; default: such that it has 150 to 600 faces")
+                     "subdivisions of the base mesh; default: such that it has 250 to 1000 faces")
         ->check(CLI::Range(0, 12));
     options->flags.add_to(*verb);
     verb->add_flag("--repair", options->repair,

@@ -362,7 +362,8 @@ class Encoder {
             extras_[numbers.attributes()] =
                 write_attributes(mesh_, source_.header.attributes, hierarchy(), source_.order);
             extras_[numbers.labels()] = write_labels(mesh_, source_.order, source_.sides);
-            extras_[numbers.creases()] = write_creases(mesh_);
+            extras_[numbers.creases()] =
+                has_creases_of_tags() ? Bytes{kCreasesOfTags} : write_creases(mesh_);
         }
         for (std::size_t k = 0; k < chunks.size(); ++k)
             if (!extras_[k].empty()) chunks[k] = extras_[k];
@@ -414,6 +415,17 @@ class Encoder {
         report.faces = hierarchy().topology(levels()).face_count;
         report.lost_creases = source_.lost_creases;
         return encoded;
+    }
+
+    /// Whether the creases of the mesh are those of the transform, in its numbers and order.
+    [[nodiscard]] bool has_creases_of_tags() const {
+        if (mesh_.creases.empty() && mesh_.sharp_vertices.empty()) return false;
+        PolygonMesh marked;
+        add_creases(hierarchy(), levels(), marked);
+        const auto& order = source_.order.vertices;
+        for (std::size_t v = 0; v < order.size(); ++v)
+            if (order[v] != v) return false;
+        return marked.creases == mesh_.creases && marked.sharp_vertices == mesh_.sharp_vertices;
     }
 
     /// Squared distance of the mesh from the surface of its base.

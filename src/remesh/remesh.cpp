@@ -26,7 +26,7 @@ using mesh::Index;
 using Point = Vec3<double>;
 
 /// Faces of bases that are neither wasteful nor too coarse for the shapes of scans.
-constexpr double kLeastBase = 150;
+constexpr double kLeastBase = 250;
 constexpr int kMostLevels = 12;
 /// How much finer the bases are that are tried, each with the vertices that were far from what came
 /// of the one before.

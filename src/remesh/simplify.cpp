@@ -290,18 +290,26 @@ class Simplification::Collapser {
         return false;
     }
 
+    /// Whether the faces have the same orientation in the plane before and after the collapse.
     bool is_oriented(std::size_t target, double least) const {
         const Planar& w = planar_[target];
         for (std::size_t i = 0; i < fan_.spokes.size(); ++i) {
+            const Planar& a = planar_[i];
+            const Planar& b = planar_[fan_.after(i)];
+            if (!is_left({}, a, b, kLeastOnCircle)) return false;
             if (i == target || fan_.after(i) == target) continue;
-            const Planar a{planar_[i].x - w.x, planar_[i].y - w.y};
-            const Planar b{planar_[fan_.after(i)].x - w.x, planar_[fan_.after(i)].y - w.y};
-            const Planar c{b.x - a.x, b.y - a.y};
-            const double longest =
-                std::max({a.x * a.x + a.y * a.y, b.x * b.x + b.y * b.y, c.x * c.x + c.y * c.y});
-            if (!(a.x * b.y - a.y * b.x >= least * longest)) return false;
+            if (!is_left(w, a, b, least)) return false;
         }
         return true;
+    }
+
+    static bool is_left(const Planar& at, const Planar& a, const Planar& b, double least) {
+        const Planar u{a.x - at.x, a.y - at.y};
+        const Planar v{b.x - at.x, b.y - at.y};
+        const Planar w{b.x - a.x, b.y - a.y};
+        const double longest =
+            std::max({u.x * u.x + u.y * u.y, v.x * v.x + v.y * v.y, w.x * w.x + w.y * w.y});
+        return longest > 0 && u.x * v.y - u.y * v.x >= least * longest;
     }
 
     /// The base mesh, with its vertices in the order of those of the surface.

@@ -158,7 +158,7 @@ class Remesh(Meshes):
         flat = [(p[0], 0, 0) for p in points]
         self.refuse(1, "remesh", self.mesh((flat, faces)), out, says="no_area")
         self.refuse(1, "remesh", self.mesh(([(0, 0, 0)], [])), out, says="empty_mesh")
-        self.refuse(1, "remesh", self.mesh((points, faces)), self.path("no.ply"), "--base", 8, "--levels", 0,
+        self.refuse(1, "remesh", self.mesh(scan(30)), self.path("no.ply"), "--base", 8, "--levels", 0,
                     "--tolerance", 1e-5, says=("tolerance_not_met", "of the diagonal"))
         self.assertFalse(os.path.exists(self.path("no.ply")))
 
@@ -184,7 +184,8 @@ class Remesh(Meshes):
         self.refuse(2, "encode", path, out, "--remesh", "--rms-error", "1e-4x", says="1e-4x")
         self.refuse(2, "remesh", path, self.path("o.ply"), "--tolerance", 0, says="tolerance")
         self.refuse(2, "remesh", path, self.path("o.ply"), "--features", 190, says="180")
-        self.refuse(1, "encode", path, out, "--remesh", "--rms-error", "1e-9d", says="goal_out_of_reach")
+        self.refuse(1, "encode", self.mesh(scan(40)), out, "--remesh", "--rms-error", "1e-9d",
+                    says="goal_out_of_reach")
 
     def test_stops_when_asked(self):
         out = self.path("out.ply")

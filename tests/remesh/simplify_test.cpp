@@ -116,6 +116,20 @@ TEST(Simplify, PointsOfAnEdgeAreTheSameFromBothSides) {
     }
 }
 
+TEST(Simplify, MapsAcrossFacesWithoutArea) {
+    Shape torus = test::grid(40, 20, true, true);
+    for (std::size_t v = 0; v < torus.points.size(); v += 37)
+        torus.points[v] = torus.points[v + 1];
+    const Surface surface = test::surface_of(torus);
+    const Simplification simple(surface, {.faces = 60});
+    EXPECT_LE(simple.faces().size(), 200U);
+    std::vector<Place> places;
+    for (Index f = 0; f < simple.faces().size(); ++f) places.push_back({f, {0.2, 0.3, 0.5}});
+    simple.to_surface(places);
+    for (const Place& place : places)
+        EXPECT_NEAR(place.weights[0] + place.weights[1] + place.weights[2], 1, 1e-12);
+}
+
 TEST(Simplify, KeepsASphereRound) {
     const Surface surface = test::surface_of(test::bumpy_sphere(5, 0));
     const Simplification simple(surface, {.faces = 100});

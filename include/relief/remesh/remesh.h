@@ -16,7 +16,7 @@ struct RemeshOptions {
     /// Of the base mesh, about: more where corners and features ask for them, or if the tolerance
     /// is not met otherwise. None: such that the result has as many faces as the mesh.
     std::optional<std::int64_t> base_faces = {};
-    /// Of subdivision. None: such that the base has 150 to 600 faces, if the mesh has so many.
+    /// Of subdivision. None: such that the base has 250 to 1000 faces, if the mesh has so many.
     std::optional<int> levels = {};
     /// Edges whose faces turn by more are kept as creases; boundaries and creases of the mesh that
     /// are sharp for ever are kept anyway.
