@@ -82,6 +82,7 @@ int main(int argc, char** argv) {
     relief::cli::add_render(program);
     relief::cli::add_sample(program);
     relief::cli::add_subdivide(program);
+    relief::cli::add_remesh(program);
     relief::cli::add_fit(program);
 #if RELIEF_HAS_EDITOR
     relief::cli::add_view(program);
