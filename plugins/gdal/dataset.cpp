@@ -241,8 +241,9 @@ void Dataset::add_overviews(int level) {
         auto pixels = Pixels::create(pixels_.shared_file(), pixels_.quantity(),
                                      file.samples_of_level(level, box));
         if (!pixels.ok()) return;
-        overviews_.push_back(std::make_unique<Dataset>(*std::move(pixels)));
-        overviews_.back()->nPamFlags |= GPF_NOSAVE;
+        Dataset& overview = *overviews_.emplace_back(std::make_unique<Dataset>(*std::move(pixels)));
+        overview.SetDescription(GetDescription());
+        overview.nPamFlags |= GPF_NOSAVE;
     }
 }
 
@@ -314,8 +315,8 @@ GDALDataset* Dataset::open(GDALOpenInfo* info) {
         }
         auto dataset = std::make_unique<Dataset>(*std::move(pixels));
         dataset->describe(*options);
-        if (!options->resolution) dataset->add_overviews(options->level.value_or(0));
         dataset->SetDescription(info->pszFilename);
+        if (!options->resolution) dataset->add_overviews(options->level.value_or(0));
         const bool special = options->special();
         if (special) {
             dataset->SetPhysicalFilename(options->path.c_str());
@@ -398,6 +399,14 @@ CPLErr Dataset::deliver(const PixelWindow& window, const PixelBuffer& buffer,
                               return done == CE_None && go_on(row + rows) ? CE_None : CE_Failure;
                           });
     });
+}
+
+CPLErr Dataset::IBuildOverviews(const char* resampling, int count, const int* factors,
+                                int band_count, const int* bands, GDALProgressFunc progress,
+                                void* progress_data, CSLConstList options) {
+    overviews_.clear();
+    return GDALPamDataset::IBuildOverviews(resampling, count, factors, band_count, bands, progress,
+                                           progress_data, options);
 }
 
 CPLErr Dataset::IRasterIO(GDALRWFlag flag, int x, int y, int width, int height, void* data,

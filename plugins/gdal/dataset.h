@@ -59,6 +59,10 @@ class Dataset final : public GDALPamDataset {
                      int rows, GDALDataType type, int count, int* bands, GSpacing pixel_space,
                      GSpacing line_space, GSpacing band_space,
                      GDALRasterIOExtraArg* extra) override;
+    /// Overviews of the user's, in a file beside, take the place of the levels.
+    CPLErr IBuildOverviews(const char* resampling, int count, const int* factors, int band_count,
+                           const int* bands, GDALProgressFunc progress, void* progress_data,
+                           CSLConstList options) override;
 
   private:
     /// What GDAL is told of the file.

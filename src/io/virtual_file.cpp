@@ -37,8 +37,12 @@ class VirtualSource final : public ByteSource {
     }
 
   private:
+    /// GDAL keeps what it fetches in order, in pieces of 16 KiB, so that small reads share them.
+    /// Large ones are fetched beside each other.
     [[nodiscard]] std::size_t read_at(std::uint64_t offset, std::span<std::uint8_t> into) const {
-        if (file_->HasPRead()) return file_->PRead(into.data(), into.size(), offset);
+        constexpr std::size_t piece = 16384;
+        if (into.size() > piece && file_->HasPRead())
+            return file_->PRead(into.data(), into.size(), offset);
         const std::lock_guard lock(mutex_);
         if (file_->Seek(offset, SEEK_SET) != 0) return 0;
         return file_->Read(into.data(), 1, into.size());
