@@ -11,6 +11,7 @@
 #include "ps_verbs.h"
 #include "quad_verbs.h"
 #include "relief/codec/raster_surface.h"
+#include "relief/core/sampling.h"
 #include "relief/io/file.h"
 
 namespace relief::cli {
@@ -97,48 +98,12 @@ Result<std::vector<Point>> read_points(const Eval& options) {
 /// Value, gradient (d/dx, d/dy) and Hessian (xx, xy, yy) of one component.
 using Jet = std::array<double, 6>;
 
-/// From a place in data units to lattice coordinates (i, j). Without a geotransform x is the column
-/// and y the row.
-class PlaceMap {
-  public:
-    static Result<PlaceMap> create(const GeoReference& geo) {
-        // Sample (i, j) has its centre at column j + 1/2, row i + 1/2 of the transform.
-        const std::array<double, 6> t =
-            geo.transform.value_or(std::array<double, 6>{-0.5, 1, 0, -0.5, 0, 1});
-        const double determinant = t[1] * t[5] - t[2] * t[4];
-        PlaceMap map;
-        map.x0_ = t[0] + 0.5 * t[1] + 0.5 * t[2];
-        map.y0_ = t[3] + 0.5 * t[4] + 0.5 * t[5];
-        map.jx_ = t[5] / determinant;
-        map.jy_ = -t[2] / determinant;
-        map.ix_ = -t[4] / determinant;
-        map.iy_ = t[1] / determinant;
-        if (std::isfinite(map.jx_) && std::isfinite(map.jy_) && std::isfinite(map.ix_) &&
-            std::isfinite(map.iy_))
-            return map;
-        return Error{ErrorCode::BadInput,
-                     "its transform gives different samples the same place; correct it: "
-                     "gdal_edit.py -a_ullr",
-                     ""};
-    }
-
-    [[nodiscard]] double row(const Point& p) const { return ix_ * (p.x - x0_) + iy_ * (p.y - y0_); }
-    [[nodiscard]] double col(const Point& p) const { return jx_ * (p.x - x0_) + jy_ * (p.y - y0_); }
-
-    /// The chain rule.
-    [[nodiscard]] Jet to_data_units(const spline::SurfaceJet<double>& jet) const {
-        return {jet.value,
-                jet.dj * jx_ + jet.di * ix_,
-                jet.dj * jy_ + jet.di * iy_,
-                jet.djj * jx_ * jx_ + 2 * jet.dij * jx_ * ix_ + jet.dii * ix_ * ix_,
-                jet.djj * jx_ * jy_ + jet.dij * (jx_ * iy_ + jy_ * ix_) + jet.dii * ix_ * iy_,
-                jet.djj * jy_ * jy_ + 2 * jet.dij * jy_ * iy_ + jet.dii * iy_ * iy_};
-    }
-
-  private:
-    double x0_ = 0, y0_ = 0;                    ///< place of lattice point (0, 0)
-    double jx_ = 0, jy_ = 0, ix_ = 0, iy_ = 0;  ///< d(j, i) / d(x, y)
-};
+/// The chain rule.
+Jet to_data_units(const PlaceMap& map, const spline::SurfaceJet<double>& jet) {
+    const auto [x, y] = map.gradient(jet.di, jet.dj);
+    const auto [xx, xy, yy] = map.hessian(jet.dii, jet.dij, jet.djj);
+    return {jet.value, x, y, xx, xy, yy};
+}
 
 std::string heading(int components, int derivatives) {
     const std::array<const char*, 6> names = {"value", "dx", "dy", "dxx", "dxy", "dyy"};
@@ -168,8 +133,8 @@ LatticePoints locate(const std::vector<Point>& points, const PlaceMap& map,
     };
     LatticePoints found;
     for (const Point& point : points) {
-        const double i = settled(map.row(point), file.description().rows);
-        const double j = settled(map.col(point), file.description().cols);
+        const double i = settled(map.row(point.x, point.y), file.description().rows);
+        const double j = settled(map.col(point.x, point.y), file.description().cols);
         const bool inside = !std::isnan(i) && !std::isnan(j);
         found.i.push_back(inside ? i : 0);
         found.j.push_back(inside ? j : 0);
@@ -223,7 +188,8 @@ Status evaluate(const codec::RasterFile& file, const Group& group, int derivativ
         RELIEF_CHECK(surface.evaluate(
             c, i, j, derivatives, {parts[0], parts[1], parts[2], parts[3], parts[4], parts[5]}));
         for (std::size_t k = 0; k < i.size(); ++k)
-            jets[static_cast<std::size_t>(c)][group.points[k]] = map.to_data_units(
+            jets[static_cast<std::size_t>(c)][group.points[k]] = to_data_units(
+                map,
                 {parts[0][k], parts[1][k], parts[2][k], parts[3][k], parts[4][k], parts[5][k]});
     }
     return {};
