@@ -134,16 +134,6 @@ Result<PolygonMesh> read_polygons(const std::string& path, int level) {
     return std::move(loaded.mesh);
 }
 
-Result<MeshScheme> mesh_scheme(const std::string& name) {
-    for (const MeshScheme scheme : {MeshScheme::Sqrt3, MeshScheme::Loop, MeshScheme::CatmullClark})
-        if (name == multires::mesh_scheme_name(scheme)) return scheme;
-    return Error{ErrorCode::InvalidArgument,
-                 "meshes have the schemes loop, sqrt3 and catmull-clark, and over the plane quads "
-                 "fvs, triangles powell-sabin; not " +
-                     name,
-                 ""};
-}
-
 Result<bool> is_subdivision(const std::string& path, const SchemeOptions& scheme) {
     if (!scheme.scheme.empty()) return scheme.scheme != "fvs";
     if (holds_mesh(path)) return true;
@@ -164,7 +154,7 @@ Result<Outcome> encode_mesh(const MeshEncodeVerb& verb, const SchemeOptions& sch
     options.keep_order = !verb.reorder;
     options.progress = progress_bar(globals, "encoding");
     if (!scheme.scheme.empty()) {
-        RELIEF_TRY(options.scheme, mesh_scheme(scheme.scheme));
+        RELIEF_TRY(options.scheme, multires::mesh_scheme_from_name(scheme.scheme));
     }
     if (verb.alpha && options.scheme != MeshScheme::Sqrt3)
         return Error{ErrorCode::InvalidArgument, "--alpha is for --scheme sqrt3", ""};

@@ -22,9 +22,6 @@ namespace relief::cli {
 /// A mesh file, or a level of a .relief file of a mesh or of a quadrangulation.
 [[nodiscard]] Result<PolygonMesh> read_polygons(const std::string& path, int level = 0);
 
-/// "loop", "sqrt3" or "catmull-clark". Errors: InvalidArgument for other names.
-[[nodiscard]] Result<multires::MeshScheme> mesh_scheme(const std::string& name);
-
 struct MeshEncodeVerb {
     std::string in;
     std::string out;

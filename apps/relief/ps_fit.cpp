@@ -15,64 +15,20 @@ namespace ps = multires::ps;
 
 namespace {
 
-Result<ps::GradientRule> gradient_rule(const std::string& name) {
-    using Rule = ps::GradientRule;
-    if (name.empty() || name == "adaptive") return Rule::Adaptive;
-    if (name == "quadratic") return Rule::Quadratic;
-    if (name == "plane") return Rule::Plane;
-    if (name == "zero") return Rule::Zero;
-    return Error{ErrorCode::InvalidArgument,
-                 "--gradients are adaptive, quadratic, plane or zero, not '" + name + "'", ""};
-}
-
-/// Options that do not go together.
-Status check(const FitVerb& verb) {
-    const auto wrong = [](const char* message) {
-        return Error{ErrorCode::InvalidArgument, message, ""};
-    };
-    const bool least_squares = verb.vertices || !verb.mesh.empty();
-    const bool bounded = verb.goal && verb.goal->kind == codec::Goal::Kind::MaxError;
-    if (verb.vertices && !verb.mesh.empty())
-        return wrong("--vertices and --mesh exclude each other");
-    if (verb.vertices && *verb.vertices < 3) return wrong("--vertices must be at least 3");
-    if (!verb.gradients.empty() && least_squares)
-        return wrong("--gradients are for interpolation, without --vertices and --mesh");
-    if (verb.levels != 0 && !least_squares) return wrong("--levels needs --vertices or --mesh");
-    if ((verb.smoothing || !verb.energy.empty()) && !least_squares &&
-        !(bounded && verb.gradients.empty()))
-        return wrong("--smoothing and --energy need --vertices, --mesh or --max-error");
-    if (verb.smoothing && !(*verb.smoothing >= 0 && std::isfinite(*verb.smoothing)))
-        return wrong("--smoothing must be a number from 0 on");
-    return {};
-}
-
-/// What the options ask for: interpolation, if they leave it open.
 Result<codec::PointMethod> method_of(const FitVerb& verb) {
-    RELIEF_CHECK(check(verb));
-    const bool bounded = verb.goal && verb.goal->kind == codec::Goal::Kind::MaxError;
-    const ps::Energy energy = verb.energy == "jumps" ? ps::Energy::Jump : ps::Energy::ThinPlate;
-    if (verb.gradients.empty() && bounded && verb.mesh.empty() && verb.levels == 0) {
-        codec::Insertion insertion;
-        if (verb.vertices) insertion.most_vertices = static_cast<std::size_t>(*verb.vertices);
-        insertion.smoothing = verb.smoothing;
-        insertion.energy = energy;
-        return codec::PointMethod(insertion);
+    codec::FitWishes wishes{.levels = verb.levels, .smoothing = verb.smoothing};
+    if (verb.vertices)
+        wishes.vertices = static_cast<std::size_t>(std::max<std::int64_t>(*verb.vertices, 0));
+    if (!verb.energy.empty())
+        wishes.energy = verb.energy == "jumps" ? ps::Energy::Jump : ps::Energy::ThinPlate;
+    if (!verb.gradients.empty()) {
+        RELIEF_TRY(wishes.gradients, ps::gradient_rule_from_name(verb.gradients));
     }
-    if (!verb.vertices && verb.mesh.empty()) {
-        RELIEF_TRY(const ps::GradientRule rule, gradient_rule(verb.gradients));
-        return codec::PointMethod(codec::Interpolation{{.rule = rule}});
-    }
-    codec::Approximation approximation;
-    approximation.levels = verb.levels;
-    approximation.smoothing = verb.smoothing;
-    approximation.energy = energy;
-    if (verb.vertices) {
-        approximation.base = static_cast<std::size_t>(*verb.vertices);
-    } else {
+    if (!verb.mesh.empty()) {
         RELIEF_TRY(const PolygonMesh mesh, read_polygons(verb.mesh));
-        RELIEF_TRY(approximation.base, located(codec::triangulation_of(mesh), verb.mesh));
+        RELIEF_TRY(wishes.triangles, located(codec::triangulation_of(mesh), verb.mesh));
     }
-    return codec::PointMethod(std::move(approximation));
+    return codec::point_method(std::move(wishes), verb.goal);
 }
 
 Json report_json(const codec::PsReport& report) {

@@ -24,7 +24,7 @@ Result<Outcome> run(const Subdivide& options) {
     const Stopwatch watch;
     RELIEF_TRY(PolygonMesh polygons, read_polygons(options.in));
     if (options.repair) polygons = mesh::repair(polygons).mesh;
-    RELIEF_TRY(const multires::MeshScheme scheme, mesh_scheme(options.scheme));
+    RELIEF_TRY(const multires::MeshScheme scheme, multires::mesh_scheme_from_name(options.scheme));
     const auto fine =
         multires::subdivide(polygons, {scheme}, {options.levels, options.limit, options.corners});
     if (!fine.ok()) return located(fine.error(), options.in);
