@@ -114,49 +114,17 @@ Result<PolygonMesh> read_polygons(const std::string& path, int level) {
         RELIEF_TRY(const codec::QuadFile file, open_quads(path));
         auto mesh = file.decode(level);
         if (!mesh.ok()) return located(mesh.error(), path);
-        return polygons_of(*mesh);
+        return codec::polygons_of(*mesh);
     }
     if (holds_ps(path)) {
         RELIEF_TRY(const codec::PsFile file, open_ps(path));
-        auto polygons = polygons_of(file, level);
-        if (!polygons.ok()) return located(polygons.error(), path);
-        return polygons;
+        RELIEF_TRY(const codec::PsSurface surface, located(file.surface(level), path));
+        return located(codec::polygons_of(file, surface), path);
     }
     if (level != 0) return Error{ErrorCode::InvalidArgument, "--level needs a .relief file", path};
     RELIEF_TRY(io::LoadedMesh loaded, io::read_mesh(path));
     return std::move(loaded.mesh);
 }
-
-Result<MeshScheme> mesh_scheme(const std::string& name) {
-    for (const MeshScheme scheme : {MeshScheme::Sqrt3, MeshScheme::Loop, MeshScheme::CatmullClark})
-        if (name == multires::mesh_scheme_name(scheme)) return scheme;
-    return Error{ErrorCode::InvalidArgument,
-                 "meshes have the schemes loop, sqrt3 and catmull-clark, and over the plane quads "
-                 "fvs, triangles powell-sabin; not " +
-                     name,
-                 ""};
-}
-
-namespace {
-
-/// Most polygons are quads that are seen counter-clockwise from above: heights over the plane, even
-/// if some have a flaw, which is then told by its name.
-bool is_over_plane(const PolygonMesh& mesh) {
-    std::int64_t upwards = 0;
-    for (std::int64_t f = 0; f < mesh.polygon_count(); ++f) {
-        const auto polygon = mesh.polygon(f);
-        if (polygon.size() != 4) continue;
-        QuadCorners corners;
-        for (std::size_t k = 0; k < 4; ++k) {
-            const auto& v = mesh.vertices[static_cast<std::size_t>(polygon[k])];
-            corners[k] = {v[0], v[1]};
-        }
-        upwards += doubled_area(corners) > 0;
-    }
-    return upwards > 0 && 4 * upwards >= 3 * mesh.polygon_count();
-}
-
-}  // namespace
 
 Result<bool> is_subdivision(const std::string& path, const SchemeOptions& scheme) {
     if (!scheme.scheme.empty()) return scheme.scheme != "fvs";
@@ -164,7 +132,7 @@ Result<bool> is_subdivision(const std::string& path, const SchemeOptions& scheme
     if (holds_quads(path)) return false;
     RELIEF_TRY(const io::LoadedMesh loaded, io::read_mesh(path));
     const PolygonMesh& mesh = loaded.mesh;
-    return mesh.polygon_count() > 0 && !is_over_plane(mesh);
+    return mesh.polygon_count() > 0 && !codec::is_over_plane(mesh);
 }
 
 Result<Outcome> encode_mesh(const MeshEncodeVerb& verb, const SchemeOptions& scheme,
@@ -178,7 +146,7 @@ Result<Outcome> encode_mesh(const MeshEncodeVerb& verb, const SchemeOptions& sch
     options.keep_order = !verb.reorder;
     options.progress = progress_bar(globals, "encoding");
     if (!scheme.scheme.empty()) {
-        RELIEF_TRY(options.scheme, mesh_scheme(scheme.scheme));
+        RELIEF_TRY(options.scheme, multires::mesh_scheme_from_name(scheme.scheme));
     }
     if (verb.alpha && options.scheme != MeshScheme::Sqrt3)
         return Error{ErrorCode::InvalidArgument, "--alpha is for --scheme sqrt3", ""};

@@ -24,9 +24,6 @@ namespace relief::cli {
 /// A mesh file, or a level of a .relief file of a mesh or of a quadrangulation.
 [[nodiscard]] Result<PolygonMesh> read_polygons(const std::string& path, int level = 0);
 
-/// "loop", "sqrt3" or "catmull-clark". Errors: InvalidArgument for other names.
-[[nodiscard]] Result<multires::MeshScheme> mesh_scheme(const std::string& name);
-
 /// How a mesh becomes one with subdivision connectivity.
 struct RemeshFlags {
     std::optional<std::int64_t> base;

@@ -88,7 +88,7 @@ void add_triangle(const PsLevel& level, std::span<const ps::TangentPlanes> plane
         const auto first_value = static_cast<std::ptrdiff_t>(nets.values.size());
         for (std::size_t m = 0; m < planes.size(); ++m) nets.values.push_back(values[m][k]);
         nets.points.push_back(
-            in_space(place, {nets.values.begin() + first_value, nets.values.end()}));
+            codec::in_space(place, {nets.values.begin() + first_value, nets.values.end()}));
         const Vec2 gradient = level.surface.jet(t, element.centre() + places[k]).gradient;
         nets.gradients.insert(nets.gradients.end(), {gradient.x, gradient.y});
     }
@@ -102,7 +102,7 @@ void add_triangle(const PsLevel& level, std::span<const ps::TangentPlanes> plane
 
 Status write_bezier(const PsLevel& level, const std::string& path) {
     const int components = level.surface.components();
-    RELIEF_CHECK(check_in_space(components));
+    RELIEF_CHECK(codec::check_in_space(components));
     const mesh::Triangulation& mesh = level.space().mesh;
     if (mesh.triangles.size() > UINT32_MAX / kPoints)
         return Error{ErrorCode::Unsupported, "too many triangles for one .vtu file", path};

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "ps_verbs.h"
-#include "relief/mesh/triangle_locator.h"
+#include "relief/codec/plane_surface.h"
 
 namespace relief::cli {
 
@@ -24,9 +24,15 @@ struct Pairs {
 };
 
 Result<std::vector<double>> values_at(const std::string& path, const std::vector<Vec2>& places) {
-    RELIEF_TRY(const PsJets jets, evaluate_ps(path, places));
+    RELIEF_TRY(const codec::PsFile file, open_ps(path));
+    const auto surface = codec::plane_surface(file);
+    if (!surface.ok()) return located(surface.error(), path);
+    std::vector<spline::PlaneJet> jets(places.size() *
+                                       static_cast<std::size_t>((*surface)->components()));
+    if (const Status status = (*surface)->evaluate(places, 0, jets); !status.ok())
+        return located(status.error(), path);
     std::vector<double> values;
-    for (const spline::PlaneJet& jet : jets.jets) values.push_back(jet.value);
+    for (const spline::PlaneJet& jet : jets) values.push_back(jet.value);
     return values;
 }
 

@@ -147,21 +147,8 @@ Status write_samples(const Sampled& source, const Frame& frame, const std::strin
     return writer.commit();
 }
 
-/// The tangent planes of all components. Values that the file holds are exact.
-Result<std::vector<ps::TangentPlanes>> planes_of(const codec::PsFile& file, const PsLevel& level) {
-    std::vector<ps::TangentPlanes> components;
-    for (const ps::Coefficients& spline : level.data->components)
-        components.push_back(ps::tangent_planes(level.space(), spline));
-    if (!file.holds_values() || file.edited()) return components;
-    RELIEF_TRY(const codec::PsValues exact, file.values());
-    for (std::size_t m = 0; m < components.size(); ++m)
-        for (std::size_t v = 0; v < components[m].size(); ++v)
-            components[m][v].value = exact.components[m][v];
-    return components;
-}
-
 Status write_table(const codec::PsFile& file, const PsLevel& level, const std::string& path) {
-    RELIEF_TRY(const auto components, planes_of(file, level));
+    RELIEF_TRY(const auto components, codec::tangent_planes_of(file, *level.data));
     const mesh::Triangulation& mesh = level.space().mesh;
     std::vector<std::vector<double>> columns(2 + 3 * components.size());
     std::vector<std::string> names{"x", "y"};
@@ -181,28 +168,6 @@ Status write_table(const codec::PsFile& file, const PsLevel& level, const std::s
     std::vector<io::CsvColumn> table;
     for (std::size_t k = 0; k < columns.size(); ++k) table.push_back({names[k], columns[k]});
     return io::write_csv(path, table);
-}
-
-Result<PolygonMesh> polygons_of(const codec::PsFile& file, const PsLevel& level) {
-    RELIEF_CHECK(check_in_space(file.components()));
-    RELIEF_TRY(const auto components, planes_of(file, level));
-    const mesh::Triangulation& mesh = level.space().mesh;
-    PolygonMesh polygons;
-    MeshAttribute parameters{"uv", 2};
-    std::vector<double> values(components.size());
-    for (Index v = 0; v < mesh.vertex_count(); ++v) {
-        for (std::size_t m = 0; m < components.size(); ++m) values[m] = components[m][v].value;
-        const Vec2 place = mesh.origin + mesh.vertex(v);
-        polygons.vertices.push_back(in_space(place, values));
-        parameters.values.insert(parameters.values.end(), {place.x, place.y});
-    }
-    if (components.size() == 3) polygons.attributes.push_back(std::move(parameters));
-    for (const auto& triangle : mesh.triangles) {
-        std::array<std::int32_t, 3> corners{};
-        std::copy(triangle.begin(), triangle.end(), corners.begin());
-        polygons.add_polygon(corners);
-    }
-    return polygons;
 }
 
 Status write_raster_of(const codec::PsFile& file, const PsLevel& level, const PsDecodeVerb& verb,
@@ -231,7 +196,7 @@ Status write_triangles(const codec::PsFile& file, const PsLevel& level, const Ps
     } else if (extension == ".vtu") {
         RELIEF_CHECK(write_bezier(level, verb.out));
     } else {
-        RELIEF_TRY(const PolygonMesh polygons, polygons_of(file, level));
+        RELIEF_TRY(const PolygonMesh polygons, codec::polygons_of(file, *level.data));
         RELIEF_TRY(missing, io::write_mesh(verb.out, polygons));
     }
     outcome.json["samples"] = mesh.vertex_count();
@@ -243,11 +208,6 @@ Status write_triangles(const codec::PsFile& file, const PsLevel& level, const Ps
 }
 
 }  // namespace
-
-Result<PolygonMesh> polygons_of(const codec::PsFile& file, int level) {
-    RELIEF_TRY(const PsLevel opened, open_level(file, level));
-    return polygons_of(file, opened);
-}
 
 Result<Outcome> decode_ps(const PsDecodeVerb& verb, const Globals& globals) {
     const Stopwatch watch;

@@ -63,17 +63,6 @@ Result<PsLevel> open_level(const codec::PsFile& file, int level) {
     return PsLevel{std::move(owned), std::move(surface)};
 }
 
-Status check_in_space(int components) {
-    if (components != 2) return {};
-    return Error{ErrorCode::Unsupported,
-                 "two components are no surface in space; decode them as a raster or .csv", ""};
-}
-
-std::array<double, 3> in_space(Vec2 place, std::span<const double> values) {
-    if (values.size() == 3) return {values[0], values[1], values[2]};
-    return {place.x, place.y, values[0]};
-}
-
 Result<io::PointColumns> columns_of(const std::string& text) {
     io::PointColumns columns;
     if (text.empty()) return columns;
@@ -149,21 +138,6 @@ Result<Outcome> info_of_points(const std::string& path) {
                     points.weights.empty() ? "" : " with weights", shown(west->x), shown(east->x),
                     shown(south->y), shown(north->y), shown(*least), shown(*most));
     return outcome;
-}
-
-Result<PsJets> evaluate_ps(const std::string& path, const std::vector<Vec2>& points) {
-    RELIEF_TRY(const codec::PsFile file, open_ps(path));
-    const auto level = open_level(file, 0);
-    if (!level.ok()) return located(level.error(), path);
-    PsJets result;
-    result.components = level->surface.components();
-    result.jets.resize(points.size() * static_cast<std::size_t>(result.components));
-    const mesh::TriangleLocator locator(level->space().mesh);
-    if (const Status status =
-            ps::evaluate(level->surface, locator, points, result.jets, ps::Outside::Nan);
-        !status.ok())
-        return located(status.error(), path);
-    return result;
 }
 
 }  // namespace relief::cli

@@ -15,64 +15,20 @@ namespace ps = multires::ps;
 
 namespace {
 
-Result<ps::GradientRule> gradient_rule(const std::string& name) {
-    using Rule = ps::GradientRule;
-    if (name.empty() || name == "adaptive") return Rule::Adaptive;
-    if (name == "quadratic") return Rule::Quadratic;
-    if (name == "plane") return Rule::Plane;
-    if (name == "zero") return Rule::Zero;
-    return Error{ErrorCode::InvalidArgument,
-                 "--gradients are adaptive, quadratic, plane or zero, not '" + name + "'", ""};
-}
-
-/// Options that do not go together.
-Status check(const FitVerb& verb) {
-    const auto wrong = [](const char* message) {
-        return Error{ErrorCode::InvalidArgument, message, ""};
-    };
-    const bool least_squares = verb.vertices || !verb.mesh.empty();
-    const bool bounded = verb.goal && verb.goal->kind == codec::Goal::Kind::MaxError;
-    if (verb.vertices && !verb.mesh.empty())
-        return wrong("--vertices and --mesh exclude each other");
-    if (verb.vertices && *verb.vertices < 3) return wrong("--vertices must be at least 3");
-    if (!verb.gradients.empty() && least_squares)
-        return wrong("--gradients are for interpolation, without --vertices and --mesh");
-    if (verb.levels != 0 && !least_squares) return wrong("--levels needs --vertices or --mesh");
-    if ((verb.smoothing || !verb.energy.empty()) && !least_squares &&
-        !(bounded && verb.gradients.empty()))
-        return wrong("--smoothing and --energy need --vertices, --mesh or --max-error");
-    if (verb.smoothing && !(*verb.smoothing >= 0 && std::isfinite(*verb.smoothing)))
-        return wrong("--smoothing must be a number from 0 on");
-    return {};
-}
-
-/// What the options ask for: interpolation, if they leave it open.
 Result<codec::PointMethod> method_of(const FitVerb& verb) {
-    RELIEF_CHECK(check(verb));
-    const bool bounded = verb.goal && verb.goal->kind == codec::Goal::Kind::MaxError;
-    const ps::Energy energy = verb.energy == "jumps" ? ps::Energy::Jump : ps::Energy::ThinPlate;
-    if (verb.gradients.empty() && bounded && verb.mesh.empty() && verb.levels == 0) {
-        codec::Insertion insertion;
-        if (verb.vertices) insertion.most_vertices = static_cast<std::size_t>(*verb.vertices);
-        insertion.smoothing = verb.smoothing;
-        insertion.energy = energy;
-        return codec::PointMethod(insertion);
+    codec::FitWishes wishes{.levels = verb.levels, .smoothing = verb.smoothing};
+    if (verb.vertices)
+        wishes.vertices = static_cast<std::size_t>(std::max<std::int64_t>(*verb.vertices, 0));
+    if (!verb.energy.empty())
+        wishes.energy = verb.energy == "jumps" ? ps::Energy::Jump : ps::Energy::ThinPlate;
+    if (!verb.gradients.empty()) {
+        RELIEF_TRY(wishes.gradients, ps::gradient_rule_from_name(verb.gradients));
     }
-    if (!verb.vertices && verb.mesh.empty()) {
-        RELIEF_TRY(const ps::GradientRule rule, gradient_rule(verb.gradients));
-        return codec::PointMethod(codec::Interpolation{{.rule = rule}});
-    }
-    codec::Approximation approximation;
-    approximation.levels = verb.levels;
-    approximation.smoothing = verb.smoothing;
-    approximation.energy = energy;
-    if (verb.vertices) {
-        approximation.base = static_cast<std::size_t>(*verb.vertices);
-    } else {
+    if (!verb.mesh.empty()) {
         RELIEF_TRY(const PolygonMesh mesh, read_polygons(verb.mesh));
-        RELIEF_TRY(approximation.base, triangulation_of(mesh, verb.mesh));
+        RELIEF_TRY(wishes.triangles, located(codec::triangulation_of(mesh), verb.mesh));
     }
-    return codec::PointMethod(std::move(approximation));
+    return codec::point_method(std::move(wishes), verb.goal);
 }
 
 Json report_json(const codec::PsReport& report) {
@@ -161,84 +117,6 @@ Result<Outcome> fit_points(const FitVerb& verb, const Globals& globals) {
     return outcome;
 }
 
-Result<mesh::Triangulation> triangulation_of(const PolygonMesh& polygons, const std::string& path) {
-    std::vector<Vec2> vertices;
-    for (const auto& v : polygons.vertices) vertices.push_back({v[0], v[1]});
-    std::vector<std::array<mesh::Index, 3>> triangles;
-    for (std::int64_t k = 0; k < polygons.polygon_count(); ++k) {
-        const auto polygon = polygons.polygon(k);
-        if (polygon.size() != 3)
-            return Error{ErrorCode::BadInput,
-                         fmt::format("not_a_triangle: it has {} corners; cut it into triangles "
-                                     "first",
-                                     polygon.size()),
-                         fmt::format("{}, polygon {}", path, k)};
-        auto& triangle = triangles.emplace_back();
-        std::transform(polygon.begin(), polygon.end(), triangle.begin(),
-                       [](std::int32_t v) { return static_cast<mesh::Index>(v); });
-    }
-    auto mesh = mesh::build(vertices, triangles, {.check_overlap = true});
-    if (!mesh.ok()) return located(mesh.error(), path);
-    return mesh;
-}
-
-namespace {
-
-/// A mesh in the plane of its texture coordinates.
-struct Unwrapped {
-    PolygonMesh mesh;
-    std::vector<std::int32_t> origin;  ///< of each vertex that in space
-};
-
-/// Vertices with several texture coordinates, at seams, become several vertices.
-Result<Unwrapped> unwrap(const PolygonMesh& mesh, const std::string& path) {
-    const MeshAttribute* uv = mesh.attribute("uv");
-    if (uv == nullptr)
-        return Error{ErrorCode::BadInput, "has no texture coordinates, which --uv needs", path};
-    using VertexElement = std::array<std::int32_t, 2>;
-    std::vector<VertexElement> corners;
-    for (std::size_t k = 0; k < mesh.corners.size(); ++k) {
-        const std::int32_t element = uv->face_varying() ? uv->corners[k] : mesh.corners[k];
-        if (element < 0)
-            return Error{ErrorCode::BadInput, "has faces without texture coordinates", path};
-        corners.push_back({mesh.corners[k], element});
-    }
-    std::vector<VertexElement> vertices = corners;
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    Unwrapped flat;
-    for (const auto& [vertex, element] : vertices) {
-        flat.mesh.vertices.push_back({uv->element(element)[0], uv->element(element)[1], 0});
-        flat.origin.push_back(vertex);
-    }
-    flat.mesh.offsets = mesh.offsets;
-    for (const VertexElement& corner : corners) {
-        const auto found = std::lower_bound(vertices.begin(), vertices.end(), corner);
-        flat.mesh.corners.push_back(static_cast<std::int32_t>(found - vertices.begin()));
-    }
-    return flat;
-}
-
-/// The heights of a mesh over the plane, or its vertices over that of its texture coordinates.
-Result<codec::PsModel> model_of(const PolygonMesh& polygons, const TrianglesVerb& verb) {
-    codec::PsValues values;
-    if (!verb.over_uv) {
-        RELIEF_TRY(mesh::Triangulation base, triangulation_of(polygons, verb.in));
-        values.components.resize(1);
-        for (const auto& v : polygons.vertices) values.components[0].push_back(v[2]);
-        return codec::PsModel{std::move(base), std::move(values)};
-    }
-    RELIEF_TRY(const Unwrapped flat, unwrap(polygons, verb.in));
-    RELIEF_TRY(mesh::Triangulation base, triangulation_of(flat.mesh, verb.in));
-    values.components.resize(3);
-    for (const std::int32_t vertex : flat.origin)
-        for (std::size_t m = 0; m < 3; ++m)
-            values.components[m].push_back(polygons.vertices[static_cast<std::size_t>(vertex)][m]);
-    return codec::PsModel{std::move(base), std::move(values)};
-}
-
-}  // namespace
-
 Result<Outcome> encode_triangles(const TrianglesVerb& verb, const SchemeOptions& scheme,
                                  const Globals& globals) {
     const Stopwatch watch;
@@ -251,7 +129,9 @@ Result<Outcome> encode_triangles(const TrianglesVerb& verb, const SchemeOptions&
                      ""};
     RELIEF_TRY(const codec::PsReference reference, verb.reference.reference());
     RELIEF_TRY(const PolygonMesh polygons, read_polygons(verb.in));
-    RELIEF_TRY(codec::PsModel model, model_of(polygons, verb));
+    RELIEF_TRY(codec::PsModel model,
+               located(verb.over_uv ? codec::model_over_uv(polygons) : codec::model_of(polygons),
+                       verb.in));
     model.reference = reference;
     const auto encoded =
         codec::encode_ps(model, {.goal = verb.goal, .progress = progress_bar(globals, "encoding")});

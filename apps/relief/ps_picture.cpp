@@ -53,7 +53,8 @@ class Patch {
         const auto components = static_cast<std::size_t>(level_.surface.components());
         for (std::size_t m = 0; m < components; ++m)
             values[m] = level_.surface.jet(t_, place, static_cast<int>(m)).value;
-        return in_space(level_.space().mesh.origin + place, std::span(values).first(components));
+        return codec::in_space(level_.space().mesh.origin + place,
+                               std::span(values).first(components));
     }
 
   private:
@@ -121,7 +122,7 @@ PolygonMesh control_triangles(const PsLevel& level, const View& view) {
             for (const ps::Coefficients& component : level.data->components)
                 values.push_back(component[v][k]);
             const Vec2 place = space.mesh.origin + space.mesh.vertex(v) + space.control[v][k];
-            net.vertices.push_back(view.point(in_space(place, values)));
+            net.vertices.push_back(view.point(codec::in_space(place, values)));
         }
         net.add_polygon(std::array{first, first + 1, first + 2});
     }
@@ -153,7 +154,7 @@ Result<View> view_of(const std::string& path, double exaggeration) {
 
 Result<io::Image> draw_ps(const std::string& path, const PsWireVerb& verb) {
     RELIEF_TRY(const codec::PsFile file, open_ps(path));
-    RELIEF_CHECK(check_in_space(file.components()));
+    RELIEF_CHECK(codec::check_in_space(file.components()));
     RELIEF_TRY(const PsLevel level, open_level(file, 0));
     RELIEF_TRY(const View view, view_of(path, verb.exaggeration));
     const double each =

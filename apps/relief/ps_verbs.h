@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "command.h"
+#include "relief/codec/polygons.h"
 #include "relief/codec/ps_codec.h"
 #include "relief/core/polygon_mesh.h"
 #include "relief/io/image.h"
@@ -35,11 +36,6 @@ struct PsLevel {
     [[nodiscard]] const multires::ps::Space& space() const { return data->space; }
 };
 [[nodiscard]] Result<PsLevel> open_level(const codec::PsFile& file, int level);
-
-/// One component are heights over the plane, three a surface in space. Errors: Unsupported for two.
-[[nodiscard]] Status check_in_space(int components);
-/// Requires: one or three values.
-[[nodiscard]] std::array<double, 3> in_space(Vec2 place, std::span<const double> values);
 
 /// "X,Y,VALUE[,WEIGHT]" or "U,V,X,Y,Z[,WEIGHT]": names or numbers of columns. Empty: those with
 /// well-known names.
@@ -86,11 +82,6 @@ struct TrianglesVerb {
 /// Triangles over the plane, with values at their vertices.
 [[nodiscard]] Result<Outcome> encode_triangles(const TrianglesVerb& verb,
                                                const SchemeOptions& scheme, const Globals& globals);
-/// The triangulation of a mesh of triangles over the plane, as seen from above. Errors:
-/// `not_a_triangle` and those of mesh::build.
-[[nodiscard]] Result<mesh::Triangulation> triangulation_of(const PolygonMesh& mesh,
-                                                           const std::string& path);
-
 struct PsDecodeVerb {
     std::string in;
     std::string out;
@@ -127,13 +118,6 @@ struct PsEditVerb {
 /// Writes a file that is `in` with more moves, and says what they did.
 [[nodiscard]] Result<Outcome> write_edited_ps(const std::string& in, const std::string& out,
                                               Bytes edited);
-
-/// The jets of all components at each point: out[point * components + component]; all NaN outside.
-struct PsJets {
-    int components = 1;
-    std::vector<spline::PlaneJet> jets;
-};
-[[nodiscard]] Result<PsJets> evaluate_ps(const std::string& path, const std::vector<Vec2>& points);
 
 /// A level as a raster of about so many columns over its extent.
 [[nodiscard]] Result<Raster> picture_raster(const std::string& path, int level, int columns);

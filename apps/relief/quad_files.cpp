@@ -20,39 +20,12 @@ namespace {
 
 constexpr std::string_view kQuadrangulation = "quadrangulation";
 
-Result<codec::QuadMesh> quads_of(const PolygonMesh& polygons, const std::string& path) {
-    codec::QuadMesh mesh{polygons.vertices, {}};
-    for (std::int64_t k = 0; k < polygons.polygon_count(); ++k) {
-        const auto polygon = polygons.polygon(k);
-        if (polygon.size() != 4)
-            return Error{ErrorCode::BadInput,
-                         fmt::format("not_a_quad: it has {} corners; split every n-gon into n "
-                                     "quads at its centre first",
-                                     polygon.size()),
-                         fmt::format("{}, polygon {}", path, k)};
-        auto& quad = mesh.quads.emplace_back();
-        std::copy(polygon.begin(), polygon.end(), quad.begin());
-    }
-    return mesh;
-}
-
 constexpr FaceCount<mesh::LevelCounts> kQuads = {"quads", &mesh::LevelCounts::quads};
 
 }  // namespace
 
 bool holds_quads(const std::string& path) {
     return holds(path, kQuadrangulation);
-}
-
-PolygonMesh polygons_of(const codec::QuadMesh& mesh) {
-    PolygonMesh polygons;
-    polygons.vertices = mesh.vertices;
-    for (const auto& quad : mesh.quads) {
-        std::array<std::int32_t, 4> corners{};
-        std::copy(quad.begin(), quad.end(), corners.begin());
-        polygons.add_polygon(corners);
-    }
-    return polygons;
 }
 
 bool is_mesh(const std::string& path) {
@@ -67,7 +40,7 @@ Result<codec::QuadFile> open_quads(const std::string& path,
 Result<codec::QuadMesh> read_quads(const std::string& path) {
     if (io::recognise(path) == io::FileKind::Mesh) {
         RELIEF_TRY(const io::LoadedMesh loaded, io::read_mesh(path));
-        return quads_of(loaded.mesh, path);
+        return located(codec::quads_of(loaded.mesh), path);
     }
     RELIEF_TRY(const codec::QuadFile file, open_quads(path));
     auto mesh = file.decode(0);
@@ -81,7 +54,7 @@ Result<Outcome> decode_quads(const std::string& in, const std::string& out, int 
     RELIEF_TRY(const codec::QuadFile file, open_quads(in, max_bytes));
     const auto mesh = file.decode(level);
     if (!mesh.ok()) return located(mesh.error(), in);
-    if (const auto written = io::write_mesh(out, polygons_of(*mesh)); !written.ok())
+    if (const auto written = io::write_mesh(out, codec::polygons_of(*mesh)); !written.ok())
         return written.error();
     const auto surface = file.surface_bound(level);
     Outcome outcome;

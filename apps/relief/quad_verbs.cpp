@@ -85,28 +85,4 @@ Result<Outcome> write_edited_quads(const std::string& in, const std::string& out
     return outcome;
 }
 
-Result<std::vector<std::optional<std::array<double, 6>>>> evaluate_quads(
-    const std::string& path, const std::vector<Vec2>& points) {
-    RELIEF_TRY(const codec::QuadFile file, open_quads(path));
-    const auto surface = file.surface(0);
-    if (!surface.ok()) return located(surface.error(), path);
-    std::vector<Vec2> inside;
-    std::vector<std::size_t> which;
-    for (std::size_t k = 0; k < points.size(); ++k) {
-        if (!surface->hierarchy.locator().locate(points[k])) continue;
-        inside.push_back(points[k]);
-        which.push_back(k);
-    }
-    std::vector<spline::PlaneJet> jets(inside.size());
-    const Status status = multires::fvs_mesh::evaluate(surface->hierarchy, surface->level(),
-                                                       surface->data, inside, jets);
-    if (!status.ok()) return located(status.error(), path);
-    std::vector<std::optional<std::array<double, 6>>> found(points.size());
-    for (std::size_t k = 0; k < jets.size(); ++k) {
-        const spline::PlaneJet& jet = jets[k];
-        found[which[k]] = {jet.value, jet.gradient.x, jet.gradient.y, jet.xx, jet.xy, jet.yy};
-    }
-    return found;
-}
-
 }  // namespace relief::cli

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "command.h"
+#include "relief/codec/polygons.h"
 #include "relief/codec/quad_codec.h"
 #include "relief/core/polygon_mesh.h"
 #include "relief/core/vec2.h"
@@ -21,8 +22,6 @@ namespace relief::cli {
 [[nodiscard]] Result<codec::QuadFile> open_quads(const std::string& path,
                                                  std::optional<std::uint64_t> max_bytes = {});
 
-[[nodiscard]] PolygonMesh polygons_of(const codec::QuadMesh& mesh);
-
 /// Reads a mesh; of a .relief file the finest level. Errors: `not_a_quad` naming the polygon.
 [[nodiscard]] Result<codec::QuadMesh> read_quads(const std::string& path);
 
@@ -38,9 +37,5 @@ namespace relief::cli {
 /// Writes a file that is `in` with more moves, and says what they did.
 [[nodiscard]] Result<Outcome> write_edited_quads(const std::string& in, const std::string& out,
                                                  Bytes edited);
-
-/// For each point value, dx, dy, dxx, dxy, dyy; nothing outside the domain or in a hole.
-[[nodiscard]] Result<std::vector<std::optional<std::array<double, 6>>>> evaluate_quads(
-    const std::string& path, const std::vector<Vec2>& points);
 
 }  // namespace relief::cli

@@ -11,10 +11,14 @@ namespace relief::codec {
 
 namespace {
 
-double magnitude(const multires::Planes<double>& band, std::int64_t r, std::int64_t c) {
-    if (band.size() == 1) return std::abs(band[0](r, c));
+template <class T>
+double magnitude(const multires::Planes<T>& band, std::int64_t r, std::int64_t c) {
+    if (band.size() == 1) return std::abs(static_cast<double>(band[0](r, c)));
     double square = 0;
-    for (const Grid<double>& plane : band) square += plane(r, c) * plane(r, c);
+    for (const Grid<T>& plane : band) {
+        const double x = plane(r, c);
+        square += x * x;
+    }
     return std::sqrt(square);
 }
 
@@ -74,19 +78,19 @@ class Kept {
 
     /// fn(element of a, element of b, norm of the band) for kept elements, writing into a; others
     /// become zero.
-    template <class Function>
-    void update(Pyramid<double>& a, const Pyramid<double>& b, Function fn) const {
+    template <class T, class Function>
+    void update(Pyramid<T>& a, const Pyramid<T>& b, Function fn) const {
         for (std::size_t k = 0; k < a.bands.size(); ++k) {
             const double norm = band_norm(layout_.bands[k], Metric::Samples);
             for (std::size_t p = 0; p < a.bands[k].size(); ++p)
                 parallel_for(0, a.bands[k][p].rows(), 64,
                              [&](std::int64_t first, std::int64_t last) {
                                  for (std::int64_t r = first; r < last; ++r) {
-                                     double* x = a.bands[k][p].row(r);
-                                     const double* y = b.bands[k][p].row(r);
+                                     T* x = a.bands[k][p].row(r);
+                                     const T* y = b.bands[k][p].row(r);
                                      const std::uint8_t* kept = selection_.masks[k].row(r);
                                      for (std::int64_t c = 0; c < a.bands[k][p].cols(); ++c)
-                                         x[c] = kept[c] ? fn(x[c], y[c], norm) : 0.0;
+                                         x[c] = kept[c] ? fn(x[c], y[c], norm) : T(0);
                                  }
                              });
         }
@@ -131,7 +135,8 @@ Pyramid<double> zeros(const PyramidLayout& layout) {
     return pyramid;
 }
 
-Selection select_where(const Pyramid<double>& pyramid, double threshold, std::int64_t ties,
+template <class T>
+Selection select_where(const Pyramid<T>& pyramid, double threshold, std::int64_t ties,
                        Metric metric) {
     Selection selection;
     const Weights weight(pyramid.layout, metric);
@@ -157,7 +162,8 @@ double band_norm(const multires::BandLayout& band, Metric metric) {
     return metric == Metric::Samples ? band.norm_samples : band.norm_surface;
 }
 
-Selection select_largest(const Pyramid<double>& pyramid, std::int64_t keep, Metric metric) {
+template <class T>
+Selection select_largest(const Pyramid<T>& pyramid, std::int64_t keep, Metric metric) {
     const std::int64_t always = pyramid.layout.bands[0].box.count();
     const std::int64_t wanted = std::max<std::int64_t>(0, keep - always);
     const Weights weight(pyramid.layout, metric);
@@ -180,15 +186,22 @@ Selection select_largest(const Pyramid<double>& pyramid, std::int64_t keep, Metr
     return select_where(pyramid, threshold, wanted - above, metric);
 }
 
-Selection select_above(const Pyramid<double>& pyramid, double threshold, Metric metric) {
+template <class T>
+Selection select_above(const Pyramid<T>& pyramid, double threshold, Metric metric) {
     return select_where(pyramid, threshold, std::numeric_limits<std::int64_t>::max(), metric);
 }
 
-void apply(const Selection& selection, Pyramid<double>& pyramid) {
-    Kept(pyramid.layout, selection).update(pyramid, pyramid, [](double x, double, double) {
-        return x;
-    });
+template <class T>
+void apply(const Selection& selection, Pyramid<T>& pyramid) {
+    Kept(pyramid.layout, selection).update(pyramid, pyramid, [](T x, T, double) { return x; });
 }
+
+template Selection select_largest(const Pyramid<float>&, std::int64_t, Metric);
+template Selection select_largest(const Pyramid<double>&, std::int64_t, Metric);
+template Selection select_above(const Pyramid<float>&, double, Metric);
+template Selection select_above(const Pyramid<double>&, double, Metric);
+template void apply(const Selection&, Pyramid<float>&);
+template void apply(const Selection&, Pyramid<double>&);
 
 void refit(Pyramid<double>& pyramid, const Selection& selection, const Target& target,
            int iterations) {

@@ -286,6 +286,43 @@ Result<EncodedPoints> insert(const Task& task, const Insertion& method) {
 
 }  // namespace
 
+Result<PointMethod> point_method(FitWishes wishes, const std::optional<Goal>& goal) {
+    const auto wrong = [](const char* message) {
+        return Error{ErrorCode::InvalidArgument, message, ""};
+    };
+    const bool least_squares = wishes.vertices || wishes.triangles;
+    const bool bounded = goal && goal->kind == Goal::Kind::MaxError;
+    const bool inserts = bounded && !wishes.gradients && !wishes.triangles && wishes.levels == 0;
+    if (wishes.vertices && wishes.triangles)
+        return wrong("a number of vertices and a mesh exclude each other");
+    if (wishes.vertices && *wishes.vertices < 3)
+        return wrong("the number of vertices must be at least 3");
+    if (wishes.gradients && least_squares)
+        return wrong("gradients are for interpolation, without a number of vertices or a mesh");
+    if (wishes.levels != 0 && !least_squares)
+        return wrong("levels need a number of vertices or a mesh");
+    if ((wishes.smoothing || wishes.energy) && !least_squares && !inserts)
+        return wrong("smoothing and energy need a number of vertices, a mesh or a largest error");
+    if (wishes.smoothing && !(*wishes.smoothing >= 0 && std::isfinite(*wishes.smoothing)))
+        return wrong("smoothing must be a number from 0 on");
+    const auto energy = wishes.energy.value_or(multires::ps::Energy::ThinPlate);
+    if (inserts)
+        return PointMethod(Insertion{wishes.vertices.value_or(Insertion{}.most_vertices),
+                                     wishes.smoothing, energy});
+    if (!least_squares) {
+        Interpolation interpolation;
+        if (wishes.gradients) interpolation.gradients.rule = *wishes.gradients;
+        return PointMethod(interpolation);
+    }
+    Approximation approximation{
+        .base = {}, .levels = wishes.levels, .smoothing = wishes.smoothing, .energy = energy};
+    if (wishes.vertices)
+        approximation.base = *wishes.vertices;
+    else
+        approximation.base = *std::move(wishes.triangles);
+    return PointMethod(std::move(approximation));
+}
+
 Result<EncodedPoints> encode_points(const PsData& data, const PointMethod& method,
                                     std::optional<Goal> goal, const Progress& progress,
                                     const PsReference& reference) {

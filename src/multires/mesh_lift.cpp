@@ -123,6 +123,14 @@ struct MeshLift::State {
     std::vector<double> star;          ///< ring: [new vertex]
 };
 
+Result<LiftKind> lift_from_name(std::string_view name) {
+    for (const LiftKind kind : kLiftKinds)
+        if (name == lift_name(kind)) return kind;
+    return Error{
+        ErrorCode::InvalidArgument,
+        "lifts are none, ring, chebyshev and least-squares, not '" + std::string(name) + "'", ""};
+}
+
 const char* lift_name(LiftKind kind) {
     constexpr std::array<const char*, kLiftKinds.size()> names{"none", "ring", "chebyshev",
                                                                "least-squares"};

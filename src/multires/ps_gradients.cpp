@@ -249,6 +249,17 @@ Status check(const Triangulation& mesh, std::span<const double> values,
 
 }  // namespace
 
+Result<GradientRule> gradient_rule_from_name(std::string_view name) {
+    using enum GradientRule;
+    if (name == "adaptive") return Adaptive;
+    if (name == "quadratic") return Quadratic;
+    if (name == "plane") return Plane;
+    if (name == "zero") return Zero;
+    return Error{
+        ErrorCode::InvalidArgument,
+        "gradients are adaptive, quadratic, plane or zero, not '" + std::string(name) + "'", ""};
+}
+
 Result<std::vector<Vec2>> estimate_gradients(const Triangulation& mesh,
                                              std::span<const double> values,
                                              const GradientOptions& options) {

@@ -1,12 +1,23 @@
 #include "relief/multires/subdivision_rules.h"
 
 #include <array>
+#include <string>
 
 namespace relief::multires {
 
 const char* mesh_scheme_name(MeshScheme scheme) {
     constexpr std::array<const char*, 3> names{"sqrt3", "loop", "catmull-clark"};
     return names[static_cast<std::size_t>(scheme)];
+}
+
+Result<MeshScheme> mesh_scheme_from_name(std::string_view name) {
+    for (const MeshScheme scheme : {MeshScheme::Sqrt3, MeshScheme::Loop, MeshScheme::CatmullClark})
+        if (name == mesh_scheme_name(scheme)) return scheme;
+    return Error{ErrorCode::InvalidArgument,
+                 "meshes have the schemes loop, sqrt3 and catmull-clark, and over the plane quads "
+                 "fvs, triangles powell-sabin; not " +
+                     std::string(name),
+                 ""};
 }
 
 mesh::Split split_of(MeshScheme scheme, int step) {

@@ -118,8 +118,7 @@ TEST(Simplify, PointsOfAnEdgeAreTheSameFromBothSides) {
 
 TEST(Simplify, MapsAcrossFacesWithoutArea) {
     Shape torus = test::grid(40, 20, true, true);
-    for (std::size_t v = 0; v < torus.points.size(); v += 37)
-        torus.points[v] = torus.points[v + 1];
+    for (std::size_t v = 0; v < torus.points.size(); v += 37) torus.points[v] = torus.points[v + 1];
     const Surface surface = test::surface_of(torus);
     const Simplification simple(surface, {.faces = 60});
     EXPECT_LE(simple.faces().size(), 200U);

@@ -35,15 +35,18 @@ struct Selection {
 /// The `keep` coefficients of largest weighted magnitude (root of the sum of squares over
 /// components); the scaling band counts and always stays. Ties are broken by position. Complexity:
 /// O(coefficients).
-[[nodiscard]] Selection select_largest(const Pyramid<double>& pyramid, std::int64_t keep,
+template <class T>
+[[nodiscard]] Selection select_largest(const Pyramid<T>& pyramid, std::int64_t keep,
                                        Metric metric = Metric::Samples);
 
 /// All coefficients whose weighted magnitude is at least `threshold`, and the scaling band.
-[[nodiscard]] Selection select_above(const Pyramid<double>& pyramid, double threshold,
+template <class T>
+[[nodiscard]] Selection select_above(const Pyramid<T>& pyramid, double threshold,
                                      Metric metric = Metric::Samples);
 
 /// Sets what is not kept to zero.
-void apply(const Selection& selection, Pyramid<double>& pyramid);
+template <class T>
+void apply(const Selection& selection, Pyramid<T>& pyramid);
 
 /// Least squares over the kept coefficients by conjugate gradients from their present values:
 /// reduces the squared error at the samples of `target`. Requires: the rest of the pyramid is zero.

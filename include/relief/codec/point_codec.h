@@ -38,6 +38,22 @@ struct Insertion {
 
 using PointMethod = std::variant<Interpolation, Approximation, Insertion>;
 
+/// What is wanted of the surface of points, for those who leave the method open.
+struct FitWishes {
+    std::optional<std::size_t> vertices = {};  ///< least squares on about so many points,
+    std::optional<mesh::Triangulation> triangles =
+        {};          ///< or on these; or with a bound at most so many
+    int levels = 0;  ///< of least squares
+    std::optional<multires::ps::GradientRule> gradients = {};  ///< interpolation with this rule
+    std::optional<double> smoothing = {};
+    std::optional<multires::ps::Energy> energy = {};
+};
+
+/// Least squares where vertices or triangles are given, insertion for a largest error, else
+/// interpolation. Errors: InvalidArgument for wishes that do not go together, fewer than three
+/// vertices, and smoothing that is negative or not a number.
+[[nodiscard]] Result<PointMethod> point_method(FitWishes wishes, const std::optional<Goal>& goal);
+
 struct EncodedPoints {
     Bytes bytes;
     PsReport report;

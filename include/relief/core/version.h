@@ -1,7 +1,7 @@
 #pragma once
 
-/// The version of these headers, by the rules of Semantic Versioning; before 1.0 a new minor version
-/// may change any interface. The build reads it here. Files have a version of their own.
+/// The version of these headers, by the rules of Semantic Versioning; before 1.0 a new minor
+/// version may change any interface. The build reads it here. Files have a version of their own.
 #define RELIEF_VERSION_MAJOR 0
 #define RELIEF_VERSION_MINOR 1
 #define RELIEF_VERSION_PATCH 0

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <string_view>
 #include <vector>
 
 #include "relief/multires/mesh_step.h"
@@ -21,6 +22,8 @@ inline constexpr std::array<LiftKind, 4> kLiftKinds = {LiftKind::None, LiftKind:
 
 /// "none", "ring", "chebyshev", "least-squares".
 [[nodiscard]] const char* lift_name(LiftKind kind);
+/// Errors: InvalidArgument listing the names.
+[[nodiscard]] Result<LiftKind> lift_from_name(std::string_view name);
 
 struct LiftOptions {
     LiftKind kind = LiftKind::Chebyshev;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "relief/core/result.h"
@@ -19,6 +20,9 @@ enum class GradientRule {
     Plane,      ///< the plane through each vertex nearest to those around it
     Zero,
 };
+
+/// "adaptive", "quadratic", "plane", "zero". Errors: InvalidArgument listing the names.
+[[nodiscard]] Result<GradientRule> gradient_rule_from_name(std::string_view name);
 
 struct GradientOptions {
     GradientRule rule = GradientRule::Adaptive;

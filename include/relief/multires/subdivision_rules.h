@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
+#include "relief/core/result.h"
 #include "relief/mesh/split.h"
 
 /// The rules of sqrt(3), Loop and Catmull-Clark subdivision. Source: reverse-subdivision.md
@@ -19,6 +21,8 @@ enum class MeshScheme : std::uint8_t { Sqrt3, Loop, CatmullClark };
 
 /// "sqrt3", "loop", "catmull-clark".
 [[nodiscard]] const char* mesh_scheme_name(MeshScheme scheme);
+/// Errors: InvalidArgument listing the names.
+[[nodiscard]] Result<MeshScheme> mesh_scheme_from_name(std::string_view name);
 
 /// How step 0, 1, .. from the base is split: sqrt(3) begins with an odd one.
 [[nodiscard]] mesh::Split split_of(MeshScheme scheme, int step);

@@ -33,7 +33,7 @@ struct RemeshReport {
     double diagonal = 0;   ///< of the box of the mesh
     double rms_error = 0;  ///< of the distance between the surfaces, over their areas: the larger
                            ///< of both ways
-    double max_error = 0;           ///< the largest distance, both ways, at vertices and samples
+    double max_error = 0;  ///< the largest distance, both ways, at vertices and samples
     std::array<double, 3> worst{};  ///< where it is
     std::int64_t flips = 0;  ///< faces whose normal opposes that of the mesh where they lie: none
     double quality = 0;      ///< mean over faces: 1 equilateral, 0 flat
