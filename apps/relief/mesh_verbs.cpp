@@ -175,7 +175,8 @@ Result<Outcome> encode_mesh(const MeshEncodeVerb& verb, const SchemeOptions& sch
     options.goal = verb.goal;
     options.distance = verb.distance;
     options.levels = scheme.levels;
-    options.keep_order = !verb.reorder;
+    // A remesh has no numbers that anyone knows.
+    options.keep_order = !verb.reorder && !verb.remesh;
     options.progress = progress_bar(globals, "encoding");
     if (!scheme.scheme.empty()) {
         RELIEF_TRY(options.scheme, mesh_scheme(scheme.scheme));
