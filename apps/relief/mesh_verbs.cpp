@@ -216,8 +216,8 @@ Result<Outcome> encode_mesh(const MeshEncodeVerb& verb, const SchemeOptions& sch
                              {"base_faces", report.base_faces},
                              {"lost_creases", report.lost_creases},
                              {"distance", mesh_distance_name(verb.distance)},
-                             {"remesh", remeshed ? remesh_json(*remeshed) : Json(nullptr)},
                              {"seconds", watch.seconds()}});
+    if (remeshed) outcome.json["remesh"] = remesh_json(*remeshed);
     outcome.text = repairs + (remeshed ? remesh_text(*remeshed) : "") +
                    text_of(verb.out, verb.distance, report);
     return outcome;

@@ -193,7 +193,7 @@ class Remesh(Meshes):
         time.sleep(0.5)
         process.send_signal(signal.SIGINT)
         _, said = process.communicate(timeout=60)
-        self.assertEqual(process.returncode, 1, said)
+        self.assertIn(process.returncode, (1, -signal.SIGINT), said)  # killed before it could listen
         self.assertFalse(os.path.exists(out))
 
     def test_a_real_scan(self):
