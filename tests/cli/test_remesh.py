@@ -104,6 +104,13 @@ class Remesh(Meshes):
             a, b = map(int, line.split()[3:5])
             total += np.linalg.norm(vertices[a] - vertices[b])
         self.assertAlmostEqual(total, 12, delta=1e-9)  # the edges of a cube
+        # A file says them once, by the edges of the base, and gives them back.
+        packed, back = self.path("cube.relief"), self.path("back.obj")
+        self.json("encode", out, packed, "--max-error", 1e-3)
+        self.json("decode", packed, back)
+        with open(back, encoding="ascii") as file:
+            self.assertEqual([line for line in file if line.startswith("t crease")], creases)
+        self.assertLess(len(contents_of(packed)), 4 * len(creases))
 
     def test_files_are_measured_from_the_scan(self):
         original = self.mesh(scan(60))
