@@ -143,7 +143,8 @@ Result<Outcome> encode_mesh(const MeshEncodeVerb& verb, const SchemeOptions& sch
     options.goal = verb.goal;
     options.distance = verb.distance;
     options.levels = scheme.levels;
-    options.keep_order = !verb.reorder;
+    // A remesh has no numbers that anyone knows.
+    options.keep_order = !verb.reorder && !verb.remesh;
     options.progress = progress_bar(globals, "encoding");
     if (!scheme.scheme.empty()) {
         RELIEF_TRY(options.scheme, multires::mesh_scheme_from_name(scheme.scheme));
@@ -183,8 +184,8 @@ Result<Outcome> encode_mesh(const MeshEncodeVerb& verb, const SchemeOptions& sch
                              {"base_faces", report.base_faces},
                              {"lost_creases", report.lost_creases},
                              {"distance", mesh_distance_name(verb.distance)},
-                             {"remesh", remeshed ? remesh_json(*remeshed) : Json(nullptr)},
                              {"seconds", watch.seconds()}});
+    if (remeshed) outcome.json["remesh"] = remesh_json(*remeshed);
     outcome.text = repairs + (remeshed ? remesh_text(*remeshed) : "") +
                    text_of(verb.out, verb.distance, report);
     return outcome;

@@ -472,12 +472,31 @@ class Encoder {
     double done_ = 0;
 };
 
+/// Creases in the order of the transform, if they are the same.
+void order_creases(const multires::MeshHierarchy& hierarchy, int levels, PolygonMesh& mesh) {
+    const auto sorted = [](const PolygonMesh& of) {
+        std::vector<std::pair<std::pair<int, int>, double>> creases;
+        for (const CreaseEdge& crease : of.creases)
+            creases.emplace_back(std::minmax(crease.a, crease.b), crease.sharpness);
+        for (const SharpVertex& sharp : of.sharp_vertices)
+            creases.emplace_back(std::pair{sharp.vertex, sharp.vertex}, sharp.sharpness);
+        std::sort(creases.begin(), creases.end());
+        return creases;
+    };
+    PolygonMesh marked;
+    add_creases(hierarchy, levels, marked);
+    if (sorted(marked) != sorted(mesh)) return;
+    mesh.creases = std::move(marked.creases);
+    mesh.sharp_vertices = std::move(marked.sharp_vertices);
+}
+
 Result<EncodedMesh> encode_as(const PolygonMesh& mesh, multires::MeshScheme scheme,
                               const MeshEncodeOptions& options) {
     RELIEF_TRY(MeshSource source, prepare_mesh(mesh, scheme, options));
     if (options.keep_order) return Encoder(mesh, options, std::move(source)).run();
-    const PolygonMesh ordered = reordered(mesh, source.order, source.sides);
+    PolygonMesh ordered = reordered(mesh, source.order, source.sides);
     source.order = same_order(source.hierarchy().topology(source.header.levels));
+    order_creases(source.hierarchy(), source.header.levels, ordered);
     return Encoder(ordered, options, std::move(source)).run();
 }
 

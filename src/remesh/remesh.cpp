@@ -25,8 +25,10 @@ namespace {
 using mesh::Index;
 using Point = Vec3<double>;
 
-/// Faces of bases that are neither wasteful nor too coarse for the shapes of scans.
+/// Faces of bases that are neither wasteful nor too coarse for the shapes of scans, and of machine
+/// parts, whose features make them finer where that matters.
 constexpr double kLeastBase = 250;
+constexpr double kLeastPartBase = 150;
 constexpr int kMostLevels = 12;
 /// How much finer the bases are that are tried, each with the vertices that were far from what came
 /// of the one before.
@@ -74,9 +76,10 @@ Status check_options(const RemeshOptions& options) {
 }
 
 /// As many as leave the base enough faces.
-int default_levels(double faces) {
+int default_levels(double faces, bool part) {
+    const double least = part ? kLeastPartBase : kLeastBase;
     int levels = 1;
-    while (levels < kMostLevels && std::ldexp(faces, -2 * (levels + 1)) >= kLeastBase) ++levels;
+    while (levels < kMostLevels && std::ldexp(faces, -2 * (levels + 1)) >= least) ++levels;
     return levels;
 }
 
@@ -112,7 +115,9 @@ class Remesher {
 
     Result<Remeshed> run() {
         const double faces = surface_.mesh.face_count;
-        const int levels = options_.levels ? *options_.levels : default_levels(faces);
+        const int levels = options_.levels
+                               ? *options_.levels
+                               : default_levels(faces, options_.feature_degrees.has_value());
         const double base = options_.base_faces ? static_cast<double>(*options_.base_faces)
                                                 : std::ldexp(faces, -2 * levels);
         for (const double factor : kBases) {
