@@ -89,22 +89,22 @@ def table_page(title: str, introduction: str, column: str, rows: str, pages: lis
 
 
 def pages() -> dict[str, str]:
-    """api/index.md, api/MODULE/index.md and api/MODULE/HEADER.md with their texts."""
+    """api/index.md, api/MODULE.md and api/MODULE/HEADER.md with their texts."""
     found = sorted(path.name for path in (INCLUDE / "relief").iterdir() if path.is_dir())
     modules = [name for name in MODULES if name in found] + [name for name in found if name not in MODULES]
     written = {"api/index.md": table_page(
         "C++ API", "Headers of a module include headers of modules above it in this table only; see "
         "[architecture](../architecture.md).", "module",
-        "".join(f"| [{module}]({module}/index.md) | {MODULES.get(module, '')} |\n" for module in modules),
-        [f"{module}/index" for module in modules])}
+        "".join(f"| [{module}]({module}.md) | {MODULES.get(module, '')} |\n" for module in modules),
+        modules)}
     for module in modules:
-        rows, stems = "", []
+        rows, headers = "", []
         for path in sorted((INCLUDE / "relief" / module).glob("*.h")):
             text = path.read_text()
-            stems.append(path.stem)
-            rows += f"| [{path.name}]({path.stem}.md) | {as_markdown(summary(text))} |\n"
+            headers.append(f"{module}/{path.stem}")
+            rows += f"| [{path.name}]({module}/{path.stem}.md) | {as_markdown(summary(text))} |\n"
             written[f"api/{module}/{path.stem}.md"] = page(path.relative_to(INCLUDE).as_posix(), text)
-        written[f"api/{module}/index.md"] = table_page(module, MODULES.get(module, ""), "header", rows, stems)
+        written[f"api/{module}.md"] = table_page(module, MODULES.get(module, ""), "header", rows, headers)
     return written
 
 
