@@ -52,23 +52,27 @@ Result<std::shared_ptr<OpenFile>> open_file(const std::string& path) {
     return std::make_shared<OpenFile>(std::move(file));
 }
 
-/// Lines of so many pixels that make a piece: a multiple of the tiles' if it is not all.
-std::int64_t lines_of_piece(std::int64_t lines, std::int64_t pixels) {
-    if (lines <= kPiece / pixels) return lines;
-    return std::max<std::int64_t>(1, kPiece / pixels / kBlock) * kBlock;
+/// Where 0 .. count - 1 is cut: nowhere if it has at most `most` lines, else at multiples of tiles
+/// beyond `before`. The ends, with 0 and count.
+std::vector<std::int64_t> cuts(std::int64_t count, std::int64_t before, std::int64_t most) {
+    std::vector<std::int64_t> ends{0};
+    const std::int64_t step = std::max<std::int64_t>(1, most / kBlock) * kBlock;
+    for (std::int64_t end = step - before; count > most && end < count; end += step)
+        ends.push_back(end);
+    ends.push_back(count);
+    return ends;
 }
 
-/// The pieces of 0 .. count - 1: all of it, or such that they end at multiples of `step` beyond
-/// `before`.
-template <class Visit>
-CPLErr for_pieces(std::int64_t count, std::int64_t before, std::int64_t step, Visit visit) {
-    for (std::int64_t first = 0; first < count;) {
-        const std::int64_t reach = step < count ? step - (before + first) % step : count;
-        const std::int64_t size = std::min(reach, count - first);
-        if (visit(first, size) != CE_None) return CE_Failure;
-        first += size;
-    }
-    return CE_None;
+/// Pieces of a raster, row by row, in front of whose first tiles `before` rows and columns lie.
+std::vector<LatticeBox> pieces_of(std::int64_t rows, std::int64_t cols, const LatticeBox& before) {
+    const auto across = cuts(cols, before.col0 % kBlock, kPiece / kBlock);
+    const auto down = cuts(rows, before.row0 % kBlock, kPiece / std::min(cols, kPiece / kBlock));
+    std::vector<LatticeBox> pieces;
+    for (std::size_t i = 1; i < down.size(); ++i)
+        for (std::size_t j = 1; j < across.size(); ++j)
+            pieces.push_back(
+                {down[i - 1], across[j - 1], down[i] - down[i - 1], across[j] - across[j - 1]});
+    return pieces;
 }
 
 template <class T>
@@ -355,50 +359,45 @@ char** Dataset::GetMetadata(const char* domain) {
 
 CPLErr Dataset::deliver(const PixelWindow& window, const PixelBuffer& buffer,
                         const std::vector<Wanted>& wanted, GDALRasterIOExtraArg* extra) {
+    LatticeBox before;
+    if (window.unscaled()) {
+        const bool finest = pixels_.places().rows.step == 1;
+        const codec::LatticeMargin margin =
+            finest ? pixels_.file().margin() : codec::LatticeMargin();
+        before.row0 = static_cast<std::int64_t>(window.y) + margin.rows;
+        before.col0 = static_cast<std::int64_t>(window.x) + margin.cols;
+    }
+    return guarded(CE_Failure, [&] {
+        for (const LatticeBox& piece : pieces_of(window.rows, window.cols, before)) {
+            if (deliver_piece(window, piece, buffer, wanted) != CE_None) return CE_Failure;
+            const double done =
+                static_cast<double>(piece.row0 + piece.rows) / static_cast<double>(window.rows);
+            if (!extra || !extra->pfnProgress || extra->pfnProgress(done, "", extra->pProgressData))
+                continue;
+            CPLError(CE_Failure, CPLE_UserInterrupt, "%s: reading was cancelled", GetDescription());
+            return CE_Failure;
+        }
+        return CE_None;
+    });
+}
+
+CPLErr Dataset::deliver_piece(const PixelWindow& window, const LatticeBox& piece,
+                              const PixelBuffer& buffer, const std::vector<Wanted>& wanted) {
     // Heights between those of samples are no integers.
     SampleType type = pixels_.description().type;
     if (is_integer(type) && GDALDataTypeIsFloating(buffer.type))
         type = buffer.type == GDT_Float32 ? SampleType::Float32 : SampleType::Float64;
-    // Pieces end where tiles do.
-    const codec::LatticeMargin margin =
-        pixels_.places().rows.step == 1 ? pixels_.file().margin() : codec::LatticeMargin();
-    const auto before = [&](double first, std::int64_t margin_before) {
-        return window.unscaled() ? static_cast<std::int64_t>(first) + margin_before : 0;
-    };
-    const auto piece = [&](const LatticeBox& box) {
-        const auto raster = pixels_.read(window.part(box), type);
-        if (!raster.ok()) {
-            report(raster.error(), GetDescription());
-            return CE_Failure;
-        }
-        for (const Wanted& one : wanted)
-            store(**raster, {0, 0, box.rows, box.cols}, pixels_.holes(),
-                  {one.component, static_cast<GByte*>(one.data) + box.row0 * buffer.line_space +
-                                      box.col0 * buffer.pixel_space},
-                  buffer);
-        if (box.count() > kKept) pixels_.forget();
-        return CE_None;
-    };
-    const auto go_on = [&](std::int64_t rows) {
-        const double done = static_cast<double>(rows) / static_cast<double>(window.rows);
-        if (!extra || !extra->pfnProgress || extra->pfnProgress(done, "", extra->pProgressData))
-            return true;
-        CPLError(CE_Failure, CPLE_UserInterrupt, "%s: reading was cancelled", GetDescription());
-        return false;
-    };
-    const std::int64_t piece_cols = lines_of_piece(window.cols, kBlock);
-    const std::int64_t piece_rows = lines_of_piece(window.rows, std::min(window.cols, piece_cols));
-    return guarded(CE_Failure, [&] {
-        return for_pieces(window.rows, before(window.y, margin.rows), piece_rows,
-                          [&](std::int64_t row, std::int64_t rows) {
-                              const CPLErr done =
-                                  for_pieces(window.cols, before(window.x, margin.cols), piece_cols,
-                                             [&](std::int64_t col, std::int64_t cols) {
-                                                 return piece({row, col, rows, cols});
-                                             });
-                              return done == CE_None && go_on(row + rows) ? CE_None : CE_Failure;
-                          });
-    });
+    const auto raster = pixels_.read(window.part(piece), type);
+    if (!raster.ok()) {
+        report(raster.error(), GetDescription());
+        return CE_Failure;
+    }
+    const GSpacing offset = piece.row0 * buffer.line_space + piece.col0 * buffer.pixel_space;
+    for (const Wanted& one : wanted)
+        store(**raster, {0, 0, piece.rows, piece.cols}, pixels_.holes(),
+              {one.component, static_cast<GByte*>(one.data) + offset}, buffer);
+    if (piece.count() > kKept) pixels_.forget();
+    return CE_None;
 }
 
 CPLErr Dataset::IBuildOverviews(const char* resampling, int count, const int* factors,

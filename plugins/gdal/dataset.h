@@ -65,6 +65,8 @@ class Dataset final : public GDALPamDataset {
                            CSLConstList options) override;
 
   private:
+    CPLErr deliver_piece(const PixelWindow& window, const LatticeBox& piece,
+                         const PixelBuffer& buffer, const std::vector<Wanted>& wanted);
     /// What GDAL is told of the file.
     void describe(const OpenOptions& options);
     /// The levels beyond `level`.

@@ -112,7 +112,7 @@ class BadFiles(DriverCase):
         with self.refuses("spline.relief: is a spline on triangles, no raster"):
             gdal.Open(self.path("spline.relief"))
 
-        self.text("sample", "torus", self.path("torus.off"), "-q")
+        self.text("sample", "torus", self.path("torus.off"), "--size", 8, "-q")
         self.text("subdivide", self.path("torus.off"), self.path("fine.off"), "--scheme",
                   "catmull-clark", "--levels", 1, "-q")
         self.text("encode", self.path("fine.off"), self.path("mesh.relief"), "-q")

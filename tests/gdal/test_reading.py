@@ -68,6 +68,20 @@ class Samples(DriverCase):
         for k in range(2):
             np.testing.assert_array_equal(out[:, :, k], planes[k])
 
+    def test_large_reads_go_piece_by_piece(self):
+        i, j = np.mgrid[0:4200, 0:4100]
+        original = ((i // 50) * (j // 40) % 200).astype("uint8")
+        file, _ = self.encoded(self.raster("dem.tif", original), "--profile", "fast")
+        seen = []
+        whole = band(file).ReadAsArray(callback=lambda done, *_: seen.append(done) or 1)
+        np.testing.assert_array_equal(whole, original)
+        self.assertGreater(len(seen), 1)
+        self.assertEqual((seen, seen[-1]), (sorted(seen), 1))
+        np.testing.assert_array_equal(band(file).ReadAsArray(1, 3, 4099, 4190),
+                                      original[3:4193, 1:])
+        with self.refuses("reading was cancelled"):
+            band(file).ReadAsArray(callback=lambda *_: 0)
+
     def test_edited(self):
         file, _ = self.encoded(self.raster("dem.tif", hills(90, 80).astype("float32")))
         edited = self.path("edited.relief")
