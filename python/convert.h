@@ -89,6 +89,14 @@ class LongCall {
 template <class T>
 using Contiguous = py::array_t<T, py::array::c_style | py::array::forcecast>;
 
+/// Numbers of T, converted if they are others. Errors: ValueError saying `what` they should be.
+template <class T>
+[[nodiscard]] Contiguous<T> numbers_of(const py::handle& object, const char* what) {
+    auto numbers = Contiguous<T>::ensure(object);
+    if (!numbers) raise_argument(std::string(what) + " must be numbers");
+    return numbers;
+}
+
 /// An array that is part of `owner`, which lives at least as long.
 template <class T>
 [[nodiscard]] py::array view_of(T* data, std::vector<py::ssize_t> shape,

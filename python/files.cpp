@@ -185,6 +185,14 @@ void define_raster_file(py::module_& module) {
                                        : py::make_tuple(components, raster.rows, raster.cols);
             },
             "(rows, cols), or (bands, rows, cols), of level 0.")
+        .def(
+            "level_shape",
+            [](const OpenRaster& self, int level) {
+                check_level(self, level, self.file.layout().levels());
+                const LatticeBox box = self.file.box(level);
+                return py::make_tuple(box.rows, box.cols);
+            },
+            py::arg("level"), "(rows, cols) of a level.")
         .def_property_readonly(
             "dtype",
             [about](const OpenRaster& self) {

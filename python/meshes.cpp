@@ -260,8 +260,8 @@ void define_mesh_file(py::module_& module, const char* name, const char* doc,
 FaceArrays::FaceArrays(const py::object& faces) {
     if (py::isinstance<py::tuple>(faces) && py::len(faces) == 2) {
         const py::tuple pair = faces;
-        const auto ends = Contiguous<std::int64_t>::ensure(pair[1]);
-        if (!ends || ends.ndim() != 1 || ends.size() < 1)
+        const auto ends = numbers_of<std::int64_t>(pair[1], "offsets");
+        if (ends.ndim() != 1 || ends.size() < 1)
             raise_argument("offsets are a list of integers, one more than there are faces");
         offsets.assign(ends.data(), ends.data() + ends.size());
         take_corners(py::array::ensure(pair[0]));
@@ -289,7 +289,7 @@ void FaceArrays::take_corners(const py::array& array) {
                    static_cast<std::size_t>(array.size())};
         return;
     }
-    const auto wide = Contiguous<std::int64_t>::ensure(array);
+    const auto wide = numbers_of<std::int64_t>(array, "corners of faces");
     converted_.reserve(static_cast<std::size_t>(wide.size()));
     for (py::ssize_t k = 0; k < wide.size(); ++k) {
         const std::int64_t corner = wide.data()[k];
@@ -301,8 +301,7 @@ void FaceArrays::take_corners(const py::array& array) {
 
 PolygonMesh polygons_from(const py::object& vertices, const py::object& faces,
                           const Creases& creases, const Corners& corners) {
-    const auto places = Contiguous<double>::ensure(vertices);
-    if (!places) throw py::error_already_set();
+    const auto places = numbers_of<double>(vertices, "vertices");
     const auto points = points_of<double>(places);
     FaceArrays arrays(faces);
     PolygonMesh mesh;

@@ -43,8 +43,8 @@ codec::PsData data_of(const Contiguous<double>& x, const Contiguous<double>& y,
     for (std::size_t k = 0; k < n; ++k) data.points.push_back({x.data()[k], y.data()[k]});
     data.values = components_of(z, n);
     if (!weights.is_none()) {
-        const auto given = Contiguous<double>::ensure(weights);
-        if (!given || given.ndim() != 1 || given.size() != x.size())
+        const auto given = numbers_of<double>(weights, "weights");
+        if (given.ndim() != 1 || given.size() != x.size())
             raise_argument("weights are an array of the size of x");
         data.weights.assign(given.data(), given.data() + n);
     }
@@ -126,9 +126,8 @@ void write_columns(const py::object& path, const py::dict& columns) {
     std::vector<Contiguous<double>> kept;
     std::vector<io::CsvColumn> table;
     for (const auto& [name, values] : columns) {
-        kept.push_back(Contiguous<double>::ensure(values));
-        if (!kept.back() || kept.back().ndim() != 1)
-            raise_argument("a column is an array of numbers (n,)");
+        kept.push_back(numbers_of<double>(values, "columns"));
+        if (kept.back().ndim() != 1) raise_argument("a column is an array of numbers (n,)");
         table.push_back({name.cast<std::string>(),
                          {kept.back().data(), static_cast<std::size_t>(kept.back().size())}});
     }

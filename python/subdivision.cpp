@@ -56,8 +56,7 @@ py::tuple subdivide_arrays(const py::object& vertices, const py::object& faces,
     const MeshSpec spec = spec_of(scheme, alpha);
     if (py::isinstance<py::array_t<float>>(vertices))
         return subdivide_as<float>(Contiguous<float>::ensure(vertices), arrays, spec, steps);
-    const auto places = Contiguous<double>::ensure(vertices);
-    if (!places) throw py::error_already_set();
+    const auto places = numbers_of<double>(vertices, "vertices");
     return subdivide_as<double>(places, arrays, spec, steps);
 }
 
@@ -74,8 +73,7 @@ std::shared_ptr<PolygonMesh> subdivide_mesh(const PolygonMesh& mesh, const std::
 std::shared_ptr<MeshPyramid> reverse(const py::object& vertices, const py::object& faces,
                                      const std::string& scheme, int levels, const std::string& lift,
                                      bool boundary_corners, double omega) {
-    const auto places = Contiguous<double>::ensure(vertices);
-    if (!places) throw py::error_already_set();
+    const auto places = numbers_of<double>(vertices, "vertices");
     const auto points = points_of<double>(places);
     const FaceArrays arrays(faces);
     const multires::MeshScheme kind = take(multires::mesh_scheme_from_name(scheme));

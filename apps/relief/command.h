@@ -61,6 +61,8 @@ void add_sample(Program& program);
 void add_subdivide(Program& program);
 void add_remesh(Program& program);
 void add_fit(Program& program);
+void add_shard(Program& program);
+void add_merge(Program& program);
 void add_view(Program& program);
 
 /// A bar on standard error, on a terminal only, unless quiet; cancels on Ctrl-C.

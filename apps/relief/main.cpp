@@ -85,6 +85,8 @@ int main(int argc, char** argv) {
     relief::cli::add_subdivide(program);
     relief::cli::add_remesh(program);
     relief::cli::add_fit(program);
+    relief::cli::add_shard(program);
+    relief::cli::add_merge(program);
 #if RELIEF_HAS_EDITOR
     relief::cli::add_view(program);
 #endif

@@ -21,7 +21,7 @@ from ._relief import (EditSession, Error, Mesh, MeshFile, MeshPyramid, Pyramid, 
                       SplineFile, __version__, set_thread_count, thread_count)
 
 __all__ = ["EditSession", "Error", "Mesh", "MeshFile", "MeshPyramid", "Pyramid", "QuadFile", "Raster", "RasterFile",
-           "SplineFile", "analyse", "compare", "encode", "fit", "open", "read", "reverse", "set_thread_count",
+           "SplineFile", "analyse", "compare", "encode", "fit", "merge", "open", "read", "reverse", "set_thread_count",
            "subdivide", "thread_count", "write"]
 
 
@@ -169,6 +169,13 @@ def encode(what, path=None, *, max_error=None, rms_error=None, bytes=None, keep=
     spec = _spec(scheme, order, levels, family, dual, map, exact)
     about = _relief.ArrayAbout(valid, nodata, transform, crs, unit)
     return _relief.encode_raster(what, path, about, goal, spec, profile, effort, progress)
+
+
+def merge(shards, path=None):
+    """Joins the plan and the shards of a raster (relief.dask), in any order: paths, or bytes. Opens the file, which is
+    in memory or at `path`. Nothing is coded anew. Errors: relief.Error naming the shard by its place in the list.
+    """
+    return _relief.merge(shards, path)
 
 
 def compare(reference, other):

@@ -48,30 +48,6 @@ Grid<std::uint8_t> mask_of(const RasterView& samples) {
     return holes ? std::move(valid) : Grid<std::uint8_t>();
 }
 
-/// Samples with their integers.
-TileSamples converted(const LatticeCoding& coding, const RasterView& part) {
-    TileSamples samples;
-    samples.valid = mask_of(part);
-    samples.originals = part.planes;
-    for (std::size_t p = 0; p < coding.domains.size(); ++p) {
-        Grid<std::int32_t> values(part.rows, part.cols);
-        for (std::int64_t r = 0; r < part.rows; ++r)
-            integer_row(part.planes[p].row(r), part.cols, coding.domains[p], values.row(r));
-        samples.values.push_back(std::move(values));
-    }
-    return samples;
-}
-
-/// A part of a view.
-RasterView part_of(const RasterView& view, const LatticeBox& box) {
-    RasterView part{.rows = box.rows, .cols = box.cols};
-    for (const GridView<const double>& plane : view.planes)
-        part.planes.emplace_back(plane.row(box.row0) + box.col0, box.rows, box.cols, plane.stride);
-    if (view.mask.data)
-        part.mask = {view.mask.row(box.row0) + box.col0, box.rows, box.cols, view.mask.stride};
-    return part;
-}
-
 /// Every 8th sample of both axes.
 Raster thinned(const Raster& raster) {
     constexpr std::int64_t step = std::int64_t{1} << TileTree::kTierLevels;
@@ -103,36 +79,47 @@ struct CoarseTiers {
 class Encoder {
   public:
     Encoder(const RasterSource& source, const Survey& seen, LatticeCoding coding,
-            const LatticeOptions& options, Spool& spool)
+            const LatticeOptions& options, Spool* spool)
         : source_(source),
           about_(source.description()),
           survey_(seen),
           options_(options),
           spool_(spool),
-          tree_(about_.rows, about_.cols) {
-        result_.coding = std::move(coding);
+          coding_(std::move(coding)),
+          tree_(about_.rows, about_.cols),
+          assembly_(tree_, options.measure_coarse) {
         for (int k = 2; k < tree_.tiers(); ++k) coarser_.push_back(thinned(lattice(k - 1)));
     }
 
     Result<LatticeEncoding> run() {
         RELIEF_CHECK(choose_tightening());
-        for (int k = 0; k < tree_.tiers(); ++k)
-            spooled_.emplace_back(static_cast<std::size_t>(tree_.tier(k).tiles()));
         for (int k = tree_.tiers() - 1; k > 0; --k)
-            for (std::int64_t tile = 0; tile < tree_.tier(k).tiles(); ++tile)
-                RELIEF_CHECK(spool_tile(k, tile,
-                                        coarse_.tiers[static_cast<std::size_t>(k - 1)]
-                                            .chunks[static_cast<std::size_t>(tile)]));
-        if (tree_.tiers() > 1 && options_.measure_coarse)
-            for (auto& chunks : spooled_[1]) chunks.back().info.bound = 0;  // grows with the tiles
+            for (std::int64_t tile = 0; tile < tree_.tier(k).tiles(); ++tile) {
+                RELIEF_TRY(auto chunks,
+                           spooled_chunks(coarse_.tiers[static_cast<std::size_t>(k - 1)]
+                                              .chunks[static_cast<std::size_t>(tile)]));
+                assembly_.add_coarse(k, tile, std::move(chunks));
+            }
         RELIEF_CHECK(encode_finest());
-        order_chunks();
-        return std::move(result_);
+        LatticeEncoding result = std::move(assembly_).finish();
+        result.coding = std::move(coding_);
+        result.samples = survey_.valid;
+        result.has_holes = survey_.valid != about_.rows * about_.cols;
+        result.coarse_energy = coarse_energy_;
+        return result;
+    }
+
+    Result<CoarseEncoding> coarse() {
+        RELIEF_CHECK(choose_tightening());
+        CoarseEncoding result;
+        for (CoarseTiers::Tier& tier : coarse_.tiers)
+            result.chunks.push_back(std::move(tier.chunks));
+        result.coding = std::move(coding_);
+        result.finest = std::move(kept_);
+        return result;
     }
 
   private:
-    using Tiles = std::vector<std::vector<SpooledChunk>>;  ///< [tile][chunk of the tile]
-
     /// The samples of tier k > 0.
     [[nodiscard]] const Raster& lattice(int k) const {
         return k == 1 ? survey_.coarse : coarser_[static_cast<std::size_t>(k - 2)];
@@ -183,7 +170,7 @@ class Encoder {
     Status encode_coarse_tile(const LatticeCoding& coding, CoarseTiers& coarse, int k,
                               std::int64_t number) const {
         const LatticeBox box = tree_.box(k, number);
-        const TileSamples samples = converted(coding, view_of(lattice(k), box));
+        const TileSamples samples = tile_samples(coding, view_of(lattice(k), box));
         RELIEF_TRY(EncodedTile tile,
                    encode(coding, coarse, k, number, samples, TileCare::Verified));
         CoarseTiers::Tier& tier = coarse.tiers[static_cast<std::size_t>(k - 1)];
@@ -199,7 +186,7 @@ class Encoder {
     /// Encodes a few tiles to see whether finer steps on coarse levels make the file smaller; they
     /// are kept as they are part of the file.
     Status choose_tightening() {
-        LatticeCoding& coding = result_.coding;
+        LatticeCoding& coding = coding_;
         coding.tightening = 1;
         RELIEF_TRY(coarse_, encode_coarse(coding));
         const bool lossless_steps =
@@ -278,7 +265,7 @@ class Encoder {
     Result<EncodedTile> encode_finest_tile(const LatticeCoding& coding, const CoarseTiers& coarse,
                                            std::int64_t number, const RasterView& samples) const {
         RELIEF_TRY(EncodedTile tile,
-                   encode(coding, coarse, 0, number, converted(coding, samples),
+                   encode(coding, coarse, 0, number, tile_samples(coding, samples),
                           options_.measure_coarse ? TileCare::Measured : TileCare::Verified));
         tile.state = {};
         return tile;
@@ -319,13 +306,13 @@ class Encoder {
             }
             LatticeBox box = tree_.box(0, first + k);
             box.row0 -= strip_box.row0;
-            auto tile = encode_finest_tile(result_.coding, coarse_, first + k, part_of(strip, box));
+            auto tile = encode_finest_tile(coding_, coarse_, first + k, part_of(strip, box));
             if (tile.ok())
                 tiles[at] = *std::move(tile);
             else
                 failed[at] = tile.error();
         });
-        result_.coarse_energy += coarse_energy(strip, strip_box.row0, survey_, about_);
+        coarse_energy_ += coarse_energy(strip, strip_box.row0, survey_, about_);
         for (std::int64_t k = 0; k < count; ++k) {
             RELIEF_CHECK(failed[static_cast<std::size_t>(k)]);
             RELIEF_CHECK(take(first + k, tiles[static_cast<std::size_t>(k)]));
@@ -333,72 +320,68 @@ class Encoder {
         return {};
     }
 
-    /// Spools a finest tile and adds up what is said of it.
     Status take(std::int64_t number, const EncodedTile& tile) {
-        RELIEF_CHECK(spool_tile(0, number, tile.chunks));
-        std::vector<SpooledChunk>& chunks = spooled_[0][static_cast<std::size_t>(number)];
-        const std::size_t n = chunks.size();
-        chunks[n - 1].info.bound = tile.error.max;
-        for (std::size_t k = 0; k + 1 < n && k < tile.coarse_errors.size(); ++k)
-            chunks[n - 2 - k].info.bound = tile.coarse_errors[k];
-        if (tree_.tiers() > 1 && !tile.coarse_errors.empty()) {
-            // Without any chunk of this tile: what the tier above promises here.
-            const auto parent = static_cast<std::size_t>(tree_.parent(0, number));
-            double& promised = spooled_[1][parent].back().info.bound;
-            promised = std::max(promised, tile.coarse_errors.back());
-        }
-        result_.max_error = std::max(result_.max_error, tile.error.max);
-        result_.square_error += tile.error.square;
-        result_.nonzero += tile.nonzero;
-        result_.repairs += tile.repairs;
+        RELIEF_TRY(auto chunks, spooled_chunks(tile.chunks));
+        assembly_.add_finest(number, std::move(chunks), summary_of(tile));
         return {};
     }
 
-    Status spool_tile(int tier, std::int64_t tile, const std::vector<Bytes>& chunks) {
-        auto& spooled = spooled_[static_cast<std::size_t>(tier)][static_cast<std::size_t>(tile)];
+    Result<std::vector<SpooledChunk>> spooled_chunks(const std::vector<Bytes>& chunks) {
+        std::vector<SpooledChunk> entries;
         for (const Bytes& chunk : chunks) {
-            SpooledChunk entry;
-            RELIEF_TRY(entry.place, spool_.append(chunk));
-            entry.info.length = chunk.size();
-            entry.info.checksum = chunk_checksum(chunk);
-            spooled.push_back(entry);
+            RELIEF_TRY(const SpooledChunk entry, spooled(chunk, *spool_));
+            entries.push_back(entry);
         }
-        return {};
-    }
-
-    /// Coarse tiers first; within a tier level by level, tiles along a Hilbert curve.
-    void order_chunks() {
-        for (int k = tree_.tiers() - 1; k >= 0; --k) {
-            const std::vector<std::int64_t> order = tree_.hilbert_order(k);
-            const std::size_t ranges = chunk_ranges(tree_, k).size();
-            for (std::size_t r = 0; r < ranges; ++r)
-                for (const std::int64_t tile : order)
-                    result_.chunks.push_back(
-                        spooled_[static_cast<std::size_t>(k)][static_cast<std::size_t>(tile)][r]);
-        }
-        result_.samples = survey_.valid;
-        result_.has_holes = survey_.valid != about_.rows * about_.cols;
+        return entries;
     }
 
     const RasterSource& source_;
     const Raster& about_;
     const Survey& survey_;
     const LatticeOptions& options_;
-    Spool& spool_;
+    Spool* spool_;  ///< of `run`
+    LatticeCoding coding_;
     TileTree tree_;
     std::vector<Raster> coarser_;  ///< samples of tiers 2 ..
     CoarseTiers coarse_;
     std::map<std::int64_t, EncodedTile> kept_;  ///< finest tiles that trials have encoded
-    std::vector<Tiles> spooled_;                ///< [tier]
-    LatticeEncoding result_;
+    LatticeAssembly assembly_;
+    double coarse_energy_ = 0;
 };
 
 }  // namespace
 
+TileSamples tile_samples(const LatticeCoding& coding, const RasterView& part) {
+    TileSamples samples;
+    samples.valid = mask_of(part);
+    samples.originals = part.planes;
+    for (std::size_t p = 0; p < coding.domains.size(); ++p) {
+        Grid<std::int32_t> values(part.rows, part.cols);
+        for (std::int64_t r = 0; r < part.rows; ++r)
+            integer_row(part.planes[p].row(r), part.cols, coding.domains[p], values.row(r));
+        samples.values.push_back(std::move(values));
+    }
+    return samples;
+}
+
+RasterView part_of(const RasterView& view, const LatticeBox& box) {
+    RasterView part{.rows = box.rows, .cols = box.cols};
+    for (const GridView<const double>& plane : view.planes)
+        part.planes.emplace_back(plane.row(box.row0) + box.col0, box.rows, box.cols, plane.stride);
+    if (view.mask.data)
+        part.mask = {view.mask.row(box.row0) + box.col0, box.rows, box.cols, view.mask.stride};
+    return part;
+}
+
+Result<CoarseEncoding> encode_coarse_tiers(const RasterSource& source, const Survey& survey,
+                                           LatticeCoding coding, const LatticeOptions& options) {
+    return Encoder(source, survey, std::move(coding), options, nullptr).coarse();
+}
+
 Result<LatticeEncoding> encode_lattice(const RasterSource& source, const Survey& survey,
                                        LatticeCoding coding, const LatticeOptions& options,
                                        Spool& spool) {
-    return Encoder(source, survey, std::move(coding), options, spool).run();
+    return Encoder(source, survey, std::move(coding), options, &spool).run();
 }
 
 }  // namespace relief::codec

@@ -1,9 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <vector>
 
-#include "codec/spooled_file.h"
+#include "codec/lattice_assembly.h"
 #include "codec/tile_codec.h"
 #include "relief/codec/container.h"
 #include "relief/core/stream.h"
@@ -16,19 +17,6 @@ struct LatticeOptions {
     double bound = 0;            ///< largest error of a sample; 0: lossless
     bool measure_coarse = true;  ///< find the bounds of coarser prefixes
     Progress progress = {};
-};
-
-struct LatticeEncoding {
-    LatticeCoding coding;
-    std::vector<SpooledChunk> chunks;  ///< in the order of the file
-    std::int64_t samples = 0;          ///< valid ones
-    std::int64_t nonzero = 0;
-    std::int64_t repairs = 0;
-    bool has_holes = false;
-    double max_error = 0;
-    double square_error = 0;
-    /// Sum of squares of the samples less the bilinear surface through the coarsest lattice.
-    double coarse_energy = 0;
 };
 
 /// What the closed loop needs to know of a raster before it can start.
@@ -54,6 +42,23 @@ struct Survey {
 /// raster again for float samples that seem to lie on a lattice. Errors: of the source.
 [[nodiscard]] Result<bool> choose_domains(const RasterSource& source, const Survey& survey,
                                           double bound, LatticeCoding& coding);
+
+/// The tiers above the finest, and the finest tiles on which their steps were tried, which are part
+/// of the file.
+struct CoarseEncoding {
+    LatticeCoding coding;                                 ///< with its tightening
+    std::vector<std::vector<std::vector<Bytes>>> chunks;  ///< [tier - 1][tile]
+    std::map<std::int64_t, EncodedTile> finest;
+};
+/// `coding` has its domains. Reads a few tiles. Errors: as encode_lattice.
+[[nodiscard]] Result<CoarseEncoding> encode_coarse_tiers(const RasterSource& source,
+                                                         const Survey& survey, LatticeCoding coding,
+                                                         const LatticeOptions& options);
+
+/// Samples of a tile with their integers. They refer to `part`.
+[[nodiscard]] TileSamples tile_samples(const LatticeCoding& coding, const RasterView& part);
+/// A part of a view.
+[[nodiscard]] RasterView part_of(const RasterView& view, const LatticeBox& box);
 
 /// Encodes the raster; `coding` has its domains. Reads the raster once more, a row of tiles at a
 /// time. Errors: those of the source and the spool; Cancelled. Memory: a 64th of the samples, and

@@ -120,6 +120,16 @@ Result<TileState> LatticeFile::start(int tier, std::int64_t number, Tile& about)
     return state;
 }
 
+Result<TileState> LatticeFile::start_of_finest(std::int64_t number) const {
+    Tile about;
+    RELIEF_TRY(TileState state, start(0, number, about));
+    if (about.known_level > TileTree::kTierLevels)
+        return Error{ErrorCode::BadFile, "a coarser tile is damaged or missing",
+                     "tile " + std::to_string(number)};
+    state.repairs.clear();  // those of the tiers above
+    return state;
+}
+
 /// Repairs of samples that the tier above has coded, where they lie in a tile's box.
 void LatticeFile::inherit_repairs(const Tile& above, const LatticeBox& over, int tier,
                                   const LatticeBox& box, TileState& state) {

@@ -70,6 +70,10 @@ class LatticeFile {
     [[nodiscard]] Result<LatticeWindow> read(int level, const LatticeBox& window,
                                              bool fill_holes = false) const;
 
+    /// The state before the first level of a finest tile, to encode it over the tiers above.
+    /// Errors: BadFile when they are not all there.
+    [[nodiscard]] Result<TileState> start_of_finest(std::int64_t number) const;
+
   private:
     struct Tile {
         TileState state;

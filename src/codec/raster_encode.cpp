@@ -9,7 +9,7 @@
 #include "codec/lattice_margin.h"
 #include "codec/pyramid_encode.h"
 #include "codec/pyramid_tiles.h"
-#include "codec/raster_header.h"
+#include "codec/raster_encode.h"
 #include "codec/surface_error.h"
 #include "relief/codec/raster_codec.h"
 #include "relief/core/parallel.h"
@@ -28,25 +28,6 @@ constexpr double kOpenLoopBits = 1;
 constexpr std::int64_t kOpenLoopSamples = std::int64_t{1} << 23;
 /// Larger rasters are coded in tiles by the open loop, where it can.
 constexpr std::int64_t kWholeSamples = std::int64_t{1} << 20;
-
-Status check(const RasterSource& source, const Goal& goal) {
-    RELIEF_CHECK(check_goal(goal));
-    const Raster& about = source.description();
-    if (about.rows < 1 || about.cols < 1 || source.components() < 1)
-        return Error{ErrorCode::BadInput, "the raster is empty; it needs at least one sample", ""};
-    if (about.rows > INT32_MAX || about.cols > INT32_MAX || source.components() > 4)
-        return Error{ErrorCode::BadInput,
-                     "the raster has more than 2^31 - 1 samples a side or more than 4 components; "
-                     "encode it in parts",
-                     ""};
-    return {};
-}
-
-/// The goal is a bound of every sample's error.
-bool is_bound(const Goal& goal) {
-    return goal.kind == Kind::MaxError || goal.kind == Kind::Lossless ||
-           (goal.kind == Kind::RmsError && goal.value == 0);
-}
 
 /// Bounds are kept best by quantising inside the prediction, squared errors by smooth bases.
 SchemeSpec best_scheme(const Goal& goal) {
@@ -67,7 +48,7 @@ class LatticeWriter {
 
     /// False: the samples do not fit its integers.
     Result<bool> encode() {
-        const double bound = options_.goal.kind == Kind::MaxError ? options_.goal.value : 0;
+        const double bound = bound_of(options_.goal);
         RELIEF_TRY(const Survey seen, survey(source_, options_.progress));
         LatticeCoding coding;
         coding.profile = options_.profile;
@@ -91,18 +72,11 @@ class LatticeWriter {
     Status make_head() {
         const LatticeEncoding& encoding = encoding_;
         const Raster& about = raster_.description();
-        RasterHeader header;
-        header.description = description_of(about);
-        header.components = source_.components();
-        header.has_mask = encoding.has_holes;
-        header.goal = options_.goal;
-        header.max_error = encoding.max_error;
+        RasterHeader header =
+            lattice_header(raster_, options_.goal, encoding.coding, encoding.has_holes);
+        set_errors(header, encoding);
         const SurfaceError error{encoding.max_error, encoding.square_error};
         const std::int64_t values = encoding.samples * header.components;
-        header.rms_error = error.rms(values);
-        header.lattice = encoding.coding;
-        header.spec = {.id = SchemeId::Fvs,
-                       .levels = TileTree(header.lattice_rows(), header.lattice_cols()).levels()};
 
         std::vector<SpooledChunk> chunks(1);  // no edits
         chunks.insert(chunks.end(), encoding.chunks.begin(), encoding.chunks.end());
@@ -161,9 +135,46 @@ Result<std::optional<EncodedRaster>> encode_looser(const RasterSource& source,
 
 }  // namespace
 
+Status check_raster(const RasterSource& source, const Goal& goal) {
+    RELIEF_CHECK(check_goal(goal));
+    const Raster& about = source.description();
+    if (about.rows < 1 || about.cols < 1 || source.components() < 1)
+        return Error{ErrorCode::BadInput, "the raster is empty; it needs at least one sample", ""};
+    if (about.rows > INT32_MAX || about.cols > INT32_MAX || source.components() > 4)
+        return Error{ErrorCode::BadInput,
+                     "the raster has more than 2^31 - 1 samples a side or more than 4 components; "
+                     "encode it in parts",
+                     ""};
+    return {};
+}
+
+bool is_bound(const Goal& goal) {
+    return goal.kind == Kind::MaxError || goal.kind == Kind::Lossless ||
+           (goal.kind == Kind::RmsError && goal.value == 0);
+}
+
+RasterHeader lattice_header(const RasterSource& raster, const Goal& goal, LatticeCoding coding,
+                            bool has_holes) {
+    RasterHeader header;
+    header.description = description_of(raster.description());
+    header.components = raster.components();
+    header.has_mask = has_holes;
+    header.goal = goal;
+    header.lattice = std::move(coding);
+    header.spec = {.id = SchemeId::Fvs,
+                   .levels = TileTree(header.lattice_rows(), header.lattice_cols()).levels()};
+    return header;
+}
+
+void set_errors(RasterHeader& header, const LatticeEncoding& encoding) {
+    const SurfaceError error{encoding.max_error, encoding.square_error};
+    header.max_error = encoding.max_error;
+    header.rms_error = error.rms(encoding.samples * header.components);
+}
+
 Result<EncodeReport> encode_raster(const RasterSource& source, const EncodeOptions& options,
                                    ByteSink& sink, Spool& spool) {
-    RELIEF_CHECK(check(source, options.goal));
+    RELIEF_CHECK(check_raster(source, options.goal));
     SchemeSpec spec = options.spec.value_or(best_scheme(options.goal));
     if (spec.id == SchemeId::Fvs && is_bound(options.goal)) {
         RELIEF_TRY(const LatticeMargin margin, choose_margin(source));

@@ -310,7 +310,10 @@ std::string write_header(const RasterHeader& header) {
 }
 
 Result<RasterHeader> read_header(const std::string& text) {
-    const Json json = Json::parse(text, nullptr, false);
+    return read_header(Json::parse(text, nullptr, false));
+}
+
+Result<RasterHeader> read_header(const Json& json) {
     if (!json.is_object()) return bad("the header is not a JSON object");
     RasterHeader header;
     Reader reader(json);

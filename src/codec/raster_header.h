@@ -60,6 +60,7 @@ struct RasterHeader {
 
 /// Errors: BadFile naming the member that is missing, of the wrong type or out of range;
 /// Unsupported for other contents.
-[[nodiscard]] Result<RasterHeader> read_header(const std::string& json);
+[[nodiscard]] Result<RasterHeader> read_header(const std::string& text);
+[[nodiscard]] Result<RasterHeader> read_header(const nlohmann::json& json);
 
 }  // namespace relief::codec

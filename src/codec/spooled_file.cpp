@@ -19,7 +19,7 @@ Result<SpooledChunk> spooled(std::span<const std::uint8_t> bytes, Spool& spool, 
 
 Result<std::shared_ptr<const SpooledFile>> SpooledFile::create(const std::string& header,
                                                                std::vector<SpooledChunk> chunks,
-                                                               const Spool& spool) {
+                                                               const ByteSource& spool) {
     std::vector<ChunkInfo> directory;
     for (const SpooledChunk& chunk : chunks) directory.push_back(chunk.info);
     auto file = std::make_shared<SpooledFile>();

@@ -16,13 +16,14 @@ struct SpooledChunk {
 [[nodiscard]] Result<SpooledChunk> spooled(std::span<const std::uint8_t> bytes, Spool& spool,
                                            double bound = std::numeric_limits<double>::infinity());
 
-/// A file that is not written yet: its head, and chunks on a spool, which must outlive it.
+/// A file that is not written yet: its head, and chunks on a spool or elsewhere, which must outlive
+/// it.
 class SpooledFile final : public ByteSource {
   public:
     SpooledFile() = default;
     /// Errors: as container_head.
     [[nodiscard]] static Result<std::shared_ptr<const SpooledFile>> create(
-        const std::string& header, std::vector<SpooledChunk> chunks, const Spool& spool);
+        const std::string& header, std::vector<SpooledChunk> chunks, const ByteSource& spool);
 
     [[nodiscard]] std::uint64_t size() const override { return size_; }
     Status read(std::uint64_t offset, std::span<std::uint8_t> into) const override;
@@ -33,7 +34,7 @@ class SpooledFile final : public ByteSource {
   private:
     Bytes head_;
     std::vector<SpooledChunk> chunks_;  ///< info.offset: in the file
-    const Spool* spool_ = nullptr;
+    const ByteSource* spool_ = nullptr;
     std::uint64_t size_ = 0;
 };
 
