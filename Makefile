@@ -3,11 +3,12 @@ JOBS ?= $(shell nproc)
 BUILD := build/release
 export RELIEF_COMPILER_LAUNCHER ?= $(shell command -v ccache)
 
-.PHONY: help setup build demo test bench reproduce format check fuzz asan tsan clean
+.PHONY: help setup build demo test docs bench reproduce format check fuzz asan tsan clean
 
 help:
 	@echo "make demo       encode, decode, compare and draw a real elevation model (build/demo)"
 	@echo "make test       build and run all tests"
+	@echo "make docs       the documentation site with a gallery and the API: build/docs/html/index.html"
 	@echo "make build      build only: $(BUILD)/relief"
 	@echo "make bench      benchmarks and the comparisons with other libraries, in one run"
 	@echo "make reproduce  the source papers' numbers beside ours"
@@ -29,6 +30,11 @@ demo: build
 test: build
 	@tools/check_includes
 	@ctest --test-dir $(BUILD) --output-on-failure -j $(JOBS)
+
+docs:
+	@tools/setup docs/packages.txt
+	@$(MAKE) --no-print-directory build
+	@tools/make_docs $(BUILD) build/docs
 
 # Libraries that can not be installed are left out of the comparisons. BENCH=--quick, --peers, --meshes, --points ..: see tools/bench.
 bench:
