@@ -1,17 +1,14 @@
-// Instead of Furo's own script, which Debian ships as a module that pages opened from files can not load:
-// the button that goes from the system's theme to light and dark, kept for the next visit.
-const root = document.documentElement;
-root.classList.replace("no-js", "js");
+// Instead of Furo's own script, which Debian ships as a module that pages opened from files can not load, and of its
+// style for dark systems, which Debian's lacks: the system's theme, and a button that changes it and is remembered.
+document.documentElement.classList.replace("no-js", "js");
 
-const themes = ["auto", "light", "dark"];
+const dark = matchMedia("(prefers-color-scheme: dark)").matches;
+const stored = localStorage.getItem("theme");
+document.body.dataset.theme = stored === "light" || stored === "dark" ? stored : dark ? "dark" : "light";
 
-function setTheme(theme) {
-    document.body.dataset.theme = theme;
-    localStorage.setItem("theme", theme);
-}
-
-window.addEventListener("DOMContentLoaded", () => {
-    for (const button of document.getElementsByClassName("theme-toggle"))
-        button.addEventListener("click", () =>
-            setTheme(themes[(themes.indexOf(document.body.dataset.theme) + 1) % themes.length]));
-});
+for (const button of document.getElementsByClassName("theme-toggle"))
+    button.addEventListener("click", () => {
+        const theme = document.body.dataset.theme === "dark" ? "light" : "dark";
+        document.body.dataset.theme = theme;
+        localStorage.setItem("theme", theme);
+    });
