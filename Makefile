@@ -6,11 +6,12 @@ export RELIEF_COMPILER_LAUNCHER ?= $(shell command -v ccache)
 PREFIX ?= /usr/local
 MANIFEST := $(DESTDIR)$(PREFIX)/share/relief/installed.txt
 
-.PHONY: help install uninstall package setup build demo test bench reproduce format check fuzz asan tsan clean
+.PHONY: help install uninstall package setup build demo test docs bench reproduce format check fuzz asan tsan clean
 
 help:
 	@echo "make demo       encode, decode, compare and draw a real elevation model (build/demo)"
 	@echo "make test       build and run all tests"
+	@echo "make docs       the documentation site with a gallery and the API: build/docs/html/index.html"
 	@echo "make build      build only: $(BUILD)/relief"
 	@echo "make install    into PREFIX=$(PREFIX): program, library, headers, CMake package, pages; make uninstall"
 	@echo "make package    a Debian package of the same, build/relief_VERSION_ARCHITECTURE.deb"
@@ -48,6 +49,11 @@ package: build
 	@cpack -G DEB --config $(BUILD)/CPackConfig.cmake -B build >/dev/null
 	@rm -rf build/_CPack_Packages
 	@ls build/*.deb
+
+docs:
+	@tools/setup docs/packages.txt
+	@$(MAKE) --no-print-directory build
+	@tools/make_docs $(BUILD) build/docs
 
 # Libraries that can not be installed are left out of the comparisons. BENCH=--quick, --peers, --meshes, --points, --editor ..: see tools/bench.
 bench:

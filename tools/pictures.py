@@ -8,7 +8,8 @@ A picture is what its commands, run as they are shown, leave in an empty folder 
     hills.off     heights over triangles around a lake
     FOLDER/FILE   a file of the folder of real data, if there is one (RELIEF_DATA)
 
-`panels` are put side by side. {bytes FILE LEVEL} in a command stands for what `relief info` says a level needs.
+`panels` are put side by side. {bytes FILE LEVEL WIDTH} in a command stands for what `relief info` says a level needs,
+in the middle of so many characters; the width may be left out.
 """
 import dataclasses
 import json
@@ -163,9 +164,9 @@ class Studio:
             sys.exit(f"pictures: {line}\n{done.stderr.strip()}")
         return done.stdout
 
-    def bytes_for(self, folder: pathlib.Path, file: str, level: str) -> str:
+    def bytes_for(self, folder: pathlib.Path, file: str, level: str, width: str | None) -> str:
         levels = json.loads(self.run(folder, f"relief info {file} --json"))["level_list"]
-        return f"{levels[int(level)]['bytes']:,} bytes".replace(",", " ")
+        return f"{levels[int(level)]['bytes']:,} bytes".replace(",", " ").center(int(width or 0))
 
     def developed(self, picture: Picture) -> tuple[pathlib.Path, list[str]]:
         """The folder after the commands, and the commands as they were run."""
@@ -176,7 +177,7 @@ class Studio:
                 (folder / pathlib.Path(name).name).symlink_to(self.input(name))
             lines = []
             for line in picture.lines:
-                line = re.sub(r"\{bytes (\S+) (\d+)\}", lambda found: self.bytes_for(folder, found[1], found[2]), line)
+                line = re.sub(r"\{bytes (\S+) (\d+)(?: (\d+))?\}", lambda found: self.bytes_for(folder, *found.groups()), line)
                 self.run(folder, line)
                 lines.append(line)
             self.done[picture.commands] = folder, lines

@@ -79,7 +79,19 @@ def page(header: str, text: str) -> str:
     for name in shown:
         parts.append(f"Namespace `{name}`:\n\n```{{cpp:namespace}} {name}\n```\n\n```{{doxygengroup}} {group(header, name)}\n"
                      ":content-only:\n:members:\n:undoc-members:\n```\n\n```{cpp:namespace} NULL\n```\n")
+    for macro in re.findall(r"^///.*\n#define (\w+)", text, re.MULTILINE):
+        parts.append(f"```{{doxygendefine}} {macro}\n```\n")
     return "\n".join(parts)
+
+
+def shorten_names(xml: pathlib.Path):
+    """Breathe qualifies classes, but nothing else, by their namespaces; the pages do that for all."""
+    known = {name for path in INCLUDE.rglob("*.h") for name in namespaces(path.read_text())}
+    for path in [*xml.glob("class*.xml"), *xml.glob("struct*.xml")]:
+        text = path.read_text()
+        name = re.search(r"<compoundname>([^<]*)", text)[1]
+        prefix = max((space for space in known if name.startswith(space + "::")), key=len)
+        path.write_text(text.replace(f"<compoundname>{name}", f"<compoundname>{name[len(prefix) + 2:]}", 1))
 
 
 def table_page(title: str, introduction: str, column: str, rows: str, pages: list[str]) -> str:

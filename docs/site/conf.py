@@ -18,9 +18,9 @@ html_css_files = ["relief.css"]
 html_copy_source = False
 html_show_sourcelink = False
 html_show_copyright = False
-html_theme_options = {
-    "light_css_variables": {"color-brand-primary": "#2f6b3c", "color-brand-content": "#2f6b3c"},
-    "dark_css_variables": {"color-brand-primary": "#9ccf9a", "color-brand-content": "#9ccf9a"},
+html_theme_options = {  # a green that can be read on white and on black
+    f"{theme}_css_variables": {"color-brand-primary": "#3b8a50", "color-brand-content": "#3b8a50"}
+    for theme in ("light", "dark")
 }
 pygments_style = "tango"
 pygments_dark_style = "monokai"

@@ -2,6 +2,7 @@
 import hashlib
 import json
 import pathlib
+import re
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools"))
@@ -33,7 +34,7 @@ def drawn(studio: Studio, picture: Picture, folder: pathlib.Path) -> list[str] |
             return None
         target.unlink(missing_ok=True)
         target.symlink_to(IMAGES / picture.file)
-        return picture.lines
+        return [re.sub(r"\{bytes [^}]*\}", ".. bytes", line) for line in picture.lines]
     record = folder / f"{picture.name}.json"
     current = key(studio, picture)
     if target.exists() and record.exists():
