@@ -90,8 +90,8 @@ def shorten_names(xml: pathlib.Path):
     for path in [*xml.glob("class*.xml"), *xml.glob("struct*.xml")]:
         text = path.read_text()
         name = re.search(r"<compoundname>([^<]*)", text)[1]
-        prefix = max((space for space in known if name.startswith(space + "::")), key=len)
-        path.write_text(text.replace(f"<compoundname>{name}", f"<compoundname>{name[len(prefix) + 2:]}", 1))
+        prefix = max((f"{space}::" for space in known if name.startswith(f"{space}::")), key=len, default="")
+        path.write_text(text.replace(f"<compoundname>{name}", f"<compoundname>{name[len(prefix):]}", 1))
 
 
 def table_page(title: str, introduction: str, column: str, rows: str, pages: list[str]) -> str:
