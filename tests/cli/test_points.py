@@ -288,9 +288,9 @@ class LeastSquares(Points):
         out = self.path("no.relief")
         for options, says in (((("--vertices", 20, "--mesh", "m.obj")), "exclude"),
                               (("--vertices", 2), "at least 3"),
-                              (("--levels", 1), "--vertices or --mesh"),
-                              (("--smoothing", 1), "--smoothing and --energy need"),
-                              (("--energy", "jumps"), "--smoothing and --energy need"),
+                              (("--levels", 1), "levels need a number of vertices or a mesh"),
+                              (("--smoothing", 1), "smoothing and energy need"),
+                              (("--energy", "jumps"), "smoothing and energy need"),
                               (("--vertices", 20, "--energy", "none"), "--energy"),
                               (("--vertices", 20, "--smoothing", -1), "from 0 on"),
                               (("--vertices", 20, "--gradients", "zero"), "interpolation"),
