@@ -17,8 +17,8 @@ struct ShardTile {
 };
 
 struct ShardHeader {
-    RasterHeader raster = {};  ///< its errors are not known yet
-    std::int64_t valid = 0;    ///< samples
+    RasterHeader raster;     ///< its errors are not known yet
+    std::int64_t valid = 0;  ///< samples
     std::optional<std::uint32_t> plan =
         {};                             ///< the checksum of the plan's head; none: this is the plan
     std::vector<ShardTile> tiles = {};  ///< ascending

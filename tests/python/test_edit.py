@@ -39,7 +39,7 @@ def test_questions():
     assert probe["value"] == pytest.approx(30) and session.at(1e9, 0) is None
     small = session.compress(1)
     assert np.abs(np.asarray(small.decode()) - np.asarray(session.file().decode())).max() <= 1
-    assert session.description["kind"] == "raster" and session.description["max"][2] == 30
+    assert session.description["kind"] == "raster" and session.description["max"][0] == 64
 
 
 def test_meshes_and_splines():

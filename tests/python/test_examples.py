@@ -21,7 +21,7 @@ def documented():
                 yield f"{name}.{member}", value.__doc__
 
 
-@pytest.mark.parametrize("name, doc", documented())
+@pytest.mark.parametrize("name, doc", documented(), ids=lambda text: text if text.isidentifier() else "")
 def test_docstring(name, doc):
     assert doc and len(doc.strip()) > 5, f"{name} has no docstring"
     test = doctest.DocTestParser().get_doctest(doc, {}, name, None, 0)
