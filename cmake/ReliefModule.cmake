@@ -23,8 +23,8 @@ function(relief_module name)
         PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
         PRIVATE ${PROJECT_SOURCE_DIR}/src)
     target_link_libraries(relief_${name} PUBLIC relief_options PRIVATE $<BUILD_INTERFACE:relief_warnings>)
-    # Before 1.0 a minor version may change the binary interface.
-    set_target_properties(relief_${name} PROPERTIES EXPORT_NAME ${name} DEFINE_SYMBOL ""
+    # Before 1.0 a minor version may change the binary interface. Shared modules find each other where they lie.
+    set_target_properties(relief_${name} PROPERTIES EXPORT_NAME ${name} DEFINE_SYMBOL "" INSTALL_RPATH "$ORIGIN"
         VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
     set_property(GLOBAL APPEND PROPERTY RELIEF_MODULES ${name})
     foreach(module IN LISTS ARG_DEPENDS)
