@@ -3,12 +3,18 @@ JOBS ?= $(shell nproc)
 BUILD := build/release
 export RELIEF_COMPILER_LAUNCHER ?= $(shell command -v ccache)
 
-.PHONY: help setup build demo test bench reproduce format check fuzz asan tsan clean
+PREFIX ?= /usr/local
+MANIFEST := $(DESTDIR)$(PREFIX)/share/relief/installed.txt
+
+.PHONY: help install uninstall package setup build demo test docs bench reproduce format check fuzz asan tsan clean
 
 help:
 	@echo "make demo       encode, decode, compare and draw a real elevation model (build/demo)"
 	@echo "make test       build and run all tests"
+	@echo "make docs       the documentation site with a gallery and the API: build/docs/html/index.html"
 	@echo "make build      build only: $(BUILD)/relief"
+	@echo "make install    into PREFIX=$(PREFIX): program, library, headers, CMake package, pages; make uninstall"
+	@echo "make package    a Debian package of the same, build/relief_VERSION_ARCHITECTURE.deb"
 	@echo "make bench      benchmarks and the comparisons with other libraries, in one run"
 	@echo "make reproduce  the source papers' numbers beside ours"
 	@echo "make check      formatting, static analysis, include rule, links and examples of the documentation"
@@ -30,7 +36,26 @@ test: build
 	@tools/check_includes
 	@ctest --test-dir $(BUILD) --output-on-failure -j $(JOBS)
 
-# Libraries that can not be installed are left out of the comparisons. BENCH=--quick, --peers, --meshes, --points ..: see tools/bench.
+install: build
+	@cmake --install $(BUILD) --prefix $(PREFIX) >/dev/null
+	@install -D -m 644 $(BUILD)/install_manifest.txt $(MANIFEST)
+	@echo "installed under $(PREFIX)"
+
+# What `make install` wrote, by its list; folders that are empty then, too.
+uninstall:
+	@tools/uninstall $(MANIFEST)
+
+package: build
+	@cpack -G DEB --config $(BUILD)/CPackConfig.cmake -B build >/dev/null
+	@rm -rf build/_CPack_Packages
+	@ls build/*.deb
+
+docs:
+	@tools/setup docs/packages.txt
+	@$(MAKE) --no-print-directory build
+	@tools/make_docs $(BUILD) build/docs
+
+# Libraries that can not be installed are left out of the comparisons. BENCH=--quick, --peers, --meshes, --points, --editor ..: see tools/bench.
 bench:
 	@tools/setup bench/packages.txt || true
 	@$(MAKE) --no-print-directory build

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "codec/embedded_coder.h"
+#include "hills.h"
 #include "relief/codec/raster_codec.h"
 #include "transform_bench.h"
 
@@ -62,30 +63,10 @@ void decode_bands(benchmark::State& state) {
     report(state, stream.bytes.size());
 }
 
-/// Hills of many sizes.
-Raster hills(std::int64_t side) {
-    Raster raster;
-    raster.rows = side;
-    raster.cols = side;
-    Grid<double> plane(side, side);
-    for (std::int64_t r = 0; r < side; ++r)
-        for (std::int64_t c = 0; c < side; ++c) {
-            const auto x = static_cast<double>(r);
-            const auto y = static_cast<double>(c);
-            double height = 0;
-            for (double size = 512; size >= 2; size /= 2)
-                height += size * std::sin(x / size + std::cos(y / size)) *
-                          std::cos(y / size - x / size / 3);
-            plane(r, c) = static_cast<float>(height);
-        }
-    raster.planes.push_back(std::move(plane));
-    return raster;
-}
-
 /// Least squares on a fixed share, a root mean square error, a guaranteed error: all threads, wall
 /// time.
 void encode_file(benchmark::State& state, Goal goal) {
-    const Raster raster = hills(1024);
+    const Raster raster = bench::hills(1024);
     EncodeOptions options;
     options.goal = goal;
     std::size_t bytes = 0;

@@ -169,18 +169,20 @@ def costs(lines: Lines) -> str:
         REFINE_TARGET)
     add("their coefficients", prolonging, "%.3g 10^6 triangles/s")
     parts = lines.costs["building"]
-    for part, name in (("triangulation", "triangulation"), ("gradients", "gradients"), ("space", "split and control triangles"),
-                       ("surface", "coefficients and polynomials"), ("locator", "point location")):
+    for part, name in (("triangulation", "triangulation"), ("gradients", "gradients"), ("split", "split"),
+                       ("surface", "polynomials"), ("locator", "point location")):
         add(f"building through {parts['sites']} sites: {name}", parts[part]["best"], "%.2f s")
+    add("split and control triangles, which files need, evaluation not", parts["space"]["best"], "%.2f s")
     squares = lines.costs["least squares"]
     what = f"least squares, {squares['points']} points on {squares['vertices']} vertices, cross validation"
     add(f"{what}: one thread", squares["one_thread"]["best"], "%.2f s")
     add("the same on two threads, wall time", squares["two_threads"]["best"], "%.2f s")
     memory = lines.costs["memory"]
     add("memory while a spline is evaluated, all", memory["all"], "%.0f bytes a vertex", "<=", MEMORY_TARGET)
-    for part, name in (("surface", "polynomials"), ("locator", "point location"), ("triangulation", "triangulation"),
-                       ("split_and_control", "split and control triangles")):
-        add(f"of it {name}", memory[part], "%.0f bytes a vertex")
+    for part, name in (("surface", "of it polynomials"), ("locator", "of it point location"),
+                       ("triangles", "of it corners of triangles"), ("triangulation", "a triangulation with its edges"),
+                       ("split_and_control", "split and control triangles, which files need, evaluation not")):
+        add(name, memory[part], "%.0f bytes a vertex")
     return markdown(("relief alone", "measured", "target", "met"), rows)
 
 

@@ -90,22 +90,23 @@ double Stopwatch::seconds() const {
 }
 
 void SchemeOptions::add_to(CLI::App& app) {
+    // The names are checked where they are understood, which says more than CLI::IsMember.
     app.add_option(
-        "--scheme", scheme,
-        "rasters: fvs (best for --max-error and --lossless), cubic (best for the other "
-        "goals), box, barycentric; meshes: loop, sqrt3, catmull-clark, and over the plane fvs "
-        "for quads, powell-sabin for triangles");
+           "--scheme", scheme,
+           "rasters: fvs (best for --max-error and --lossless), cubic (best for the other "
+           "goals), box, barycentric; meshes: loop, sqrt3, catmull-clark, and over the plane fvs "
+           "for quads, powell-sabin for triangles")
+        ->type_name("TEXT:{fvs,cubic,box,barycentric,loop,sqrt3,catmull-clark,powell-sabin}");
     app.add_option(
         "--order", order,
         "1: linear C0, 2: quartic C2 (default); barycentric also 3: C4, 4: C6; cubic has 2");
     app.add_option("--levels", levels, "levels of detail; default: as many as the raster allows");
-    app.add_option("--family", family,
-                   "barycentric: compact (default), semi-orthogonal, truncated, truncated-literal");
+    app.add_option("--family", family, "barycentric: which filters (default compact)")
+        ->type_name("TEXT:{compact,semi-orthogonal,truncated,truncated-literal}");
     app.add_option("--dual", dual,
                    "barycentric compact: order of the dual spline; default: as --order");
-    app.add_option(
-        "--map", map,
-        "how samples and surface meet: interpolate (default), quasi-interpolate, coefficients");
+    app.add_option("--map", map, "how samples and surface meet (default interpolate)")
+        ->type_name("TEXT:{interpolate,quasi-interpolate,coefficients}");
     app.add_flag("--exact", exact, "cubic: the whole spline by recursion, not its taps cut at six");
 }
 

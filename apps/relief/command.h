@@ -59,6 +59,7 @@ void add_edit(Program& program);
 void add_render(Program& program);
 void add_sample(Program& program);
 void add_subdivide(Program& program);
+void add_remesh(Program& program);
 void add_fit(Program& program);
 void add_shard(Program& program);
 void add_merge(Program& program);

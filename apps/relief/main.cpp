@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "command.h"
+#include "describe.h"
 #include "relief/core/parallel.h"
 
 namespace {
@@ -82,12 +83,17 @@ int main(int argc, char** argv) {
     relief::cli::add_render(program);
     relief::cli::add_sample(program);
     relief::cli::add_subdivide(program);
+    relief::cli::add_remesh(program);
     relief::cli::add_fit(program);
     relief::cli::add_shard(program);
     relief::cli::add_merge(program);
 #if RELIEF_HAS_EDITOR
     relief::cli::add_view(program);
 #endif
+    app.add_flag_callback(
+           "--describe",
+           [&app] { throw CLI::CallForVersion(relief::cli::described(app).dump(), 0); })
+        ->group("");  // not for people: tools/make_man and others read it
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& success) {

@@ -13,7 +13,6 @@
 #include "relief/io/file_kind.h"
 #include "relief/io/mesh.h"
 #include "relief/mesh/closest.h"
-#include "relief/mesh/repair.h"
 
 namespace relief::cli {
 
@@ -53,26 +52,6 @@ std::string text_of(const std::string& out, codec::MeshDistance distance,
     return text;
 }
 
-std::string text_of(const mesh::RepairCounts& counts) {
-    if (counts.nothing()) return "nothing had to be repaired\n";
-    std::string text = "repaired:";
-    const auto say = [&](std::uint64_t count, const char* what) {
-        if (count > 0)
-            text += fmt::format(" {} {},", grouped(static_cast<std::int64_t>(count)), what);
-    };
-    say(counts.faces_dropped, "bad faces dropped");
-    say(counts.duplicates_dropped, "duplicate faces dropped");
-    say(counts.corners_dropped, "repeated corners dropped");
-    say(counts.faces_added, "faces cut at a repeated corner");
-    say(counts.faces_turned, "faces turned");
-    say(counts.edges_cut, "edges cut");
-    say(counts.edges_split, "edges split");
-    say(counts.vertices_added, "vertices split");
-    say(counts.vertices_dropped, "unused vertices dropped");
-    text.back() = '\n';
-    return text;
-}
-
 struct Box {
     std::array<double, 3> low{INFINITY, INFINITY, INFINITY};
     std::array<double, 3> high{-INFINITY, -INFINITY, -INFINITY};
@@ -96,6 +75,19 @@ bool set(codec::MeshMove& move, const std::vector<double>& numbers) {
     if (numbers.size() != 3) return false;
     std::copy(numbers.begin(), numbers.end(), move.delta.begin());
     return true;
+}
+
+/// How near a remeshed surface is to be before it is coded: details that point along normals make
+/// files smaller than vertices where each extremity is.
+double tolerance_for(const codec::Goal& goal, double diagonal) {
+    constexpr double kUsual = 2e-3;
+    constexpr double kOfRms = 10;
+    constexpr double kOfMax = 0.6;
+    using Kind = codec::Goal::Kind;
+    if (!(diagonal > 0)) return kUsual;
+    if (goal.kind == Kind::RmsError) return std::max(kUsual, kOfRms * goal.value / diagonal);
+    if (goal.kind == Kind::MaxError) return kOfMax * goal.value / diagonal;
+    return 2 * kUsual;
 }
 
 constexpr FaceCount<mesh::MeshCounts> kFaces = {"faces", &mesh::MeshCounts::faces};
@@ -151,7 +143,8 @@ Result<Outcome> encode_mesh(const MeshEncodeVerb& verb, const SchemeOptions& sch
     options.goal = verb.goal;
     options.distance = verb.distance;
     options.levels = scheme.levels;
-    options.keep_order = !verb.reorder;
+    // A remesh has no numbers that anyone knows.
+    options.keep_order = !verb.reorder && !verb.remesh;
     options.progress = progress_bar(globals, "encoding");
     if (!scheme.scheme.empty()) {
         RELIEF_TRY(options.scheme, multires::mesh_scheme_from_name(scheme.scheme));
@@ -165,10 +158,19 @@ Result<Outcome> encode_mesh(const MeshEncodeVerb& verb, const SchemeOptions& sch
     std::string repairs;
     if (verb.repair) {
         mesh::RepairedMesh repaired = mesh::repair(mesh);
-        repairs = text_of(repaired.counts);
+        repairs = repair_text(repaired.counts);
         mesh = std::move(repaired.mesh);
     }
-    const auto encoded = codec::encode_mesh(mesh, options);
+    if (verb.of_diagonal) options.goal.value *= Box(mesh).diagonal();
+    std::optional<remesh::Remeshed> remeshed;
+    if (verb.remesh) {
+        const double tolerance = tolerance_for(options.goal, Box(mesh).diagonal());
+        RELIEF_TRY(remeshed,
+                   located(verb.remesh->run(mesh, scheme.levels, tolerance, globals), verb.in));
+        options.levels = remeshed->levels;
+        options.original = &mesh;
+    }
+    const auto encoded = codec::encode_mesh(remeshed ? remeshed->mesh : mesh, options);
     if (!encoded.ok()) return located(encoded.error(), verb.in);
     RELIEF_CHECK(io::write_file_atomically(verb.out, encoded->bytes));
     const codec::MeshReport& report = encoded->report;
@@ -183,7 +185,9 @@ Result<Outcome> encode_mesh(const MeshEncodeVerb& verb, const SchemeOptions& sch
                              {"lost_creases", report.lost_creases},
                              {"distance", mesh_distance_name(verb.distance)},
                              {"seconds", watch.seconds()}});
-    outcome.text = repairs + text_of(verb.out, verb.distance, report);
+    if (remeshed) outcome.json["remesh"] = remesh_json(*remeshed);
+    outcome.text = repairs + (remeshed ? remesh_text(*remeshed) : "") +
+                   text_of(verb.out, verb.distance, report);
     return outcome;
 }
 

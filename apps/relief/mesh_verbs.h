@@ -8,6 +8,8 @@
 #include "relief/codec/mesh_codec.h"
 #include "relief/core/polygon_mesh.h"
 #include "relief/io/image.h"
+#include "relief/mesh/repair.h"
+#include "relief/remesh/remesh.h"
 
 /// The verbs on meshes with subdivision connectivity and on .relief files that hold one. The verbs'
 /// own files parse the options and come here by what the input is.
@@ -22,6 +24,25 @@ namespace relief::cli {
 /// A mesh file, or a level of a .relief file of a mesh or of a quadrangulation.
 [[nodiscard]] Result<PolygonMesh> read_polygons(const std::string& path, int level = 0);
 
+/// How a mesh becomes one with subdivision connectivity.
+struct RemeshFlags {
+    std::optional<std::int64_t> base;
+    std::optional<double> features;
+    std::optional<double> tolerance;
+
+    void add_to(CLI::App& verb);
+    /// levels: -1: the library's choice. otherwise: the tolerance, if none was asked for.
+    [[nodiscard]] Result<remesh::Remeshed> run(const PolygonMesh& mesh, int levels,
+                                               double otherwise, const Globals& globals) const;
+
+    friend bool operator==(const RemeshFlags&, const RemeshFlags&) = default;
+};
+[[nodiscard]] Json remesh_json(const remesh::Remeshed& remeshed);
+[[nodiscard]] std::string remesh_text(const remesh::Remeshed& remeshed);
+
+/// What --repair did, as a line.
+[[nodiscard]] std::string repair_text(const mesh::RepairCounts& counts);
+
 struct MeshEncodeVerb {
     std::string in;
     std::string out;
@@ -30,7 +51,9 @@ struct MeshEncodeVerb {
     bool reorder = false;
     bool repair = false;
     std::optional<double> alpha = {};
-    std::string lift = {};  ///< lift_name; empty: the library's choice
+    std::string lift = {};     ///< lift_name; empty: the library's choice
+    bool of_diagonal = false;  ///< the goal is in units of the diagonal of the mesh
+    std::optional<RemeshFlags> remesh = {};
 };
 /// Whether `encode` takes a mesh as a subdivision surface: it is asked to, or the mesh is not made
 /// of quads over the plane.

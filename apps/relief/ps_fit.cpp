@@ -24,6 +24,8 @@ Result<codec::PointMethod> method_of(const FitVerb& verb) {
     if (!verb.gradients.empty()) {
         RELIEF_TRY(wishes.gradients, ps::gradient_rule_from_name(verb.gradients));
     }
+    if (verb.vertices && !verb.mesh.empty())
+        return Error{ErrorCode::InvalidArgument, "--vertices and --mesh exclude each other", ""};
     if (!verb.mesh.empty()) {
         RELIEF_TRY(const PolygonMesh mesh, read_polygons(verb.mesh));
         RELIEF_TRY(wishes.triangles, located(codec::triangulation_of(mesh), verb.mesh));

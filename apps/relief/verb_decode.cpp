@@ -6,7 +6,7 @@
 #include "mesh_verbs.h"
 #include "ps_verbs.h"
 #include "quad_verbs.h"
-#include "relief/codec/raster_surface.h"
+#include "relief/codec/raster_sampler.h"
 #include "relief/io/raster.h"
 
 namespace relief::cli {
@@ -41,117 +41,17 @@ Result<LatticeBox> window_of(const Decode& options, const LatticeBox& all) {
                  ""};
 }
 
-/// The surface at another sampling: `scale` times as many samples a side over the same ground.
-/// Below 1 the level whose spacing is the nearest finer one is sampled, so that nothing aliases.
-class Rescaled {
-  public:
-    static Result<Rescaled> create(const codec::RasterFile& file, double scale) {
-        Rescaled scaled(file, scale);
-        const Raster& about = file.description();
-        while (scaled.level_ < file.layout().levels() &&
-               std::ldexp(1.0, scaled.level_ + 1) <= 1 / scale)
-            ++scaled.level_;
-        const double rows = std::ceil(static_cast<double>(about.rows) * scale - 1e-9);
-        const double cols = std::ceil(static_cast<double>(about.cols) * scale - 1e-9);
-        if (rows > INT32_MAX || cols > INT32_MAX)
-            return Error{ErrorCode::InvalidArgument, "--scale makes the raster too large", ""};
-        scaled.box_ = {0, 0, std::max<std::int64_t>(1, static_cast<std::int64_t>(rows)),
-                       std::max<std::int64_t>(1, static_cast<std::int64_t>(cols))};
-        return scaled;
-    }
+/// A side of n samples at `scale` times as many: cells that cover the same ground.
+SampleAxis rescaled(std::int64_t n, double scale) {
+    const double count = std::max(1.0, std::ceil(static_cast<double>(n) * scale - 1e-9));
+    return SampleAxis{0, 1, n}.cut(0, count / scale, static_cast<std::int64_t>(count));
+}
 
-    [[nodiscard]] const LatticeBox& box() const { return box_; }
-
-    [[nodiscard]] Result<Raster> window(const LatticeBox& part) const {
-        RELIEF_TRY(const auto surface,
-                   codec::RasterSurface::create(file_, level_, level_box(part)));
-        Raster result = description(part);
-        const double step = std::ldexp(1 / scale_, -level_);
-        for (int c = 0; c < surface.components(); ++c) {
-            Grid<double> samples(part.rows, part.cols);
-            surface.evaluate_grid(c, row(part.row0), step, col(part.col0), step, samples.view());
-            result.planes.push_back(std::move(samples));
-        }
-        result.mask = Grid<std::uint8_t>(part.rows, part.cols);
-        for (std::int64_t r = 0; r < part.rows; ++r)
-            for (std::int64_t c = 0; c < part.cols; ++c)
-                result.mask(r, c) = surface.valid(row(part.row0 + r), col(part.col0 + c));
-        store(result);
-        return result;
-    }
-
-  private:
-    Rescaled(const codec::RasterFile& file, double scale) : file_(file), scale_(scale) {}
-
-    /// Sample r lies at (r + 1/2) / scale - 1/2 of the finest raster, so that cells cover the same
-    /// ground; here in samples of the level, `margin` in front of them.
-    [[nodiscard]] double place(std::int64_t r, std::int64_t margin) const {
-        const double finest = (static_cast<double>(r) + 0.5) / scale_ - 0.5;
-        if (level_ == 0) return finest;
-        return std::ldexp(finest + static_cast<double>(margin), -level_);
-    }
-    [[nodiscard]] double row(std::int64_t r) const { return place(r, file_.margin().rows); }
-    [[nodiscard]] double col(std::int64_t c) const { return place(c, file_.margin().cols); }
-
-    /// Samples of the level around a window.
-    [[nodiscard]] LatticeBox level_box(const LatticeBox& part) const {
-        const LatticeBox all = file_.box(level_);
-        const auto between = [&](std::int64_t first, std::int64_t count, std::int64_t n,
-                                 std::int64_t margin) {
-            const auto low = static_cast<std::int64_t>(std::floor(place(first, margin)));
-            const auto high =
-                static_cast<std::int64_t>(std::ceil(place(first + count - 1, margin)));
-            const std::int64_t begin = std::clamp<std::int64_t>(low, 0, n - 1);
-            return std::pair{begin, std::clamp<std::int64_t>(high, begin, n - 1) - begin + 1};
-        };
-        const auto [row0, rows] = between(part.row0, part.rows, all.rows, file_.margin().rows);
-        const auto [col0, cols] = between(part.col0, part.cols, all.cols, file_.margin().cols);
-        return {row0, col0, rows, cols};
-    }
-
-    [[nodiscard]] Raster description(const LatticeBox& part) const {
-        Raster result = description_of(file_.description());
-        result.rows = part.rows;
-        result.cols = part.cols;
-        if (is_integer(result.type)) result.type = SampleType::Float32;
-        if (!result.geo.transform) return result;
-        auto& t = *result.geo.transform;
-        for (const std::size_t k : {1U, 2U, 4U, 5U}) t[k] /= scale_;
-        t[0] += static_cast<double>(part.col0) * t[1] + static_cast<double>(part.row0) * t[2];
-        t[3] += static_cast<double>(part.col0) * t[4] + static_cast<double>(part.row0) * t[5];
-        return result;
-    }
-
-    static void store(Raster& raster) {
-        bool holes = false;
-        for (Grid<double>& plane : raster.planes)
-            for (std::int64_t r = 0; r < raster.rows; ++r) {
-                stored_row(plane.row(r), raster.cols, raster.type, raster.nodata, plane.row(r));
-                for (std::int64_t c = 0; c < raster.cols; ++c) {
-                    if (raster.valid(r, c)) continue;
-                    plane(r, c) = NAN;
-                    holes = true;
-                }
-            }
-        if (!holes) raster.mask = {};
-    }
-
-    const codec::RasterFile& file_;
-    double scale_;
-    int level_ = 0;
-    LatticeBox box_;
-};
-
-/// What a reader of the raster, and `relief compare`, may want to know of its origin. What an
-/// earlier encoding said of itself goes.
-void describe(const codec::RasterFile& file, std::optional<double> bound, Raster& raster) {
-    const auto& spec = file.spec();
-    std::erase_if(raster.metadata,
-                  [](const auto& item) { return item.first.starts_with("RELIEF_"); });
-    raster.metadata.emplace_back(
-        "RELIEF_SCHEME", fmt::format("{} order {}", multires::scheme_name(spec.id), spec.order));
-    raster.metadata.emplace_back("RELIEF_LEVELS", std::to_string(spec.levels));
-    if (bound) raster.metadata.emplace_back("RELIEF_MAX_ERROR", fmt::format("{}", *bound));
+/// Errors: InvalidArgument.
+Result<Sampling> rescaled(const Raster& about, double scale) {
+    if (static_cast<double>(std::max(about.rows, about.cols)) * scale > INT32_MAX)
+        return Error{ErrorCode::InvalidArgument, "--scale makes the raster too large", ""};
+    return Sampling{rescaled(about.rows, scale), rescaled(about.cols, scale)};
 }
 
 /// Samples of a window of what was asked for.
@@ -162,9 +62,8 @@ class Source {
         source.box_ = file.box(std::min(options.level, file.layout().levels()));
         if (options.level > file.layout().levels()) return file.decode(options.level).error();
         if (options.scale != 1) {
-            RELIEF_TRY(Rescaled rescaled, Rescaled::create(file, options.scale));
-            source.rescaled_.emplace(std::move(rescaled));
-            source.box_ = source.rescaled_->box();
+            RELIEF_TRY(source.rescaled_, rescaled(file.description(), options.scale));
+            source.box_ = {0, 0, source.rescaled_->rows.count, source.rescaled_->cols.count};
         }
         return source;
     }
@@ -172,18 +71,9 @@ class Source {
     [[nodiscard]] const LatticeBox& box() const { return box_; }
 
     [[nodiscard]] Result<Raster> window(const LatticeBox& part) {
-        if (rescaled_) return rescaled_->window(part);
+        if (rescaled_) return rescaled_window(part);
         RELIEF_TRY(codec::DecodedRaster decoded, file_.decode_window(options_.level, part));
-        if (!decoded.damaged.empty() && !options_.allow_damage) {
-            const LatticeBox& first = decoded.damaged.front();
-            return Error{ErrorCode::BadFile,
-                         fmt::format("chunks of columns {} to {}, rows {} to {}{} are damaged; "
-                                     "--allow-damage fills them in from coarser ones",
-                                     first.col0, first.col0 + first.cols - 1, first.row0,
-                                     first.row0 + first.rows - 1,
-                                     decoded.damaged.size() > 1 ? " and of more tiles" : ""),
-                         ""};
-        }
+        if (!options_.allow_damage) RELIEF_CHECK(codec::check_damage(decoded.damaged));
         damaged_.insert(damaged_.end(), decoded.damaged.begin(), decoded.damaged.end());
         bound_ = bound_ && decoded.bound ? std::optional(std::max(*bound_, *decoded.bound))
                                          : std::nullopt;
@@ -195,12 +85,25 @@ class Source {
     [[nodiscard]] const std::vector<LatticeBox>& damaged() const { return damaged_; }
 
   private:
-    Source(const codec::RasterFile& file, const Decode& options) : file_(file), options_(options) {}
+    Source(const codec::RasterFile& file, const Decode& options)
+        : file_(file), options_(options), sampler_(file) {}
+
+    [[nodiscard]] Result<Raster> rescaled_window(const LatticeBox& part) {
+        const auto cut = [](const SampleAxis& axis, std::int64_t first, std::int64_t count) {
+            return axis.cut(static_cast<double>(first), static_cast<double>(count), count);
+        };
+        // Heights between those of samples are no integers.
+        const SampleType type = file_.description().type;
+        return sampler_.values({cut(rescaled_->rows, part.row0, part.rows),
+                                cut(rescaled_->cols, part.col0, part.cols)},
+                               is_integer(type) ? SampleType::Float32 : type);
+    }
 
     const codec::RasterFile& file_;
     const Decode& options_;
+    codec::RasterSampler sampler_;
     LatticeBox box_;
-    std::optional<Rescaled> rescaled_;
+    std::optional<Sampling> rescaled_;
     std::optional<double> bound_ = 0;
     std::vector<LatticeBox> damaged_;
 };
@@ -209,7 +112,7 @@ Status write_whole(Source& source, const LatticeBox& window, const codec::Raster
                    const Decode& options, const Globals& globals) {
     auto decoded = source.window(window);
     if (!decoded.ok()) return located(decoded.error(), options.in);
-    describe(file, source.bound(), *decoded);
+    codec::note_origin(file, source.bound(), *decoded);
     return io::write_raster(options.out, *decoded, {.progress = progress_bar(globals, "writing")});
 }
 
@@ -227,7 +130,8 @@ Status write_strips(Source& source, const LatticeBox& window, const codec::Raste
         if (!writer) {
             Raster about = description_of(*strip);
             about.rows = window.rows;
-            describe(file, options.allow_damage ? std::nullopt : file.bound(options.level), about);
+            codec::note_origin(
+                file, options.allow_damage ? std::nullopt : file.bound(options.level), about);
             RELIEF_TRY(auto made, io::RasterWriter::create(
                                       options.out, about, static_cast<int>(strip->planes.size()),
                                       file.has_holes() ? io::Holes::Possible : io::Holes::None));

@@ -15,6 +15,7 @@ struct Encode {
     std::string out;
     SchemeOptions scheme;
     std::optional<double> max_error, rms_error, keep, bytes;
+    bool of_diagonal = false;  ///< max_error and rms_error are
     bool lossless = false;
     int effort = 1;
     std::string profile = "dense";
@@ -24,6 +25,8 @@ struct Encode {
     bool over_uv = false;
     std::optional<double> alpha;
     std::string lift;
+    bool remesh = false;
+    RemeshFlags remesh_flags;
     ReferenceOptions reference;
 };
 
@@ -80,11 +83,29 @@ MeshEncodeVerb mesh_verb(const Encode& options, const codec::Goal& goal) {
     return {options.in,
             options.out,
             goal,
-            options.surface ? MeshDistance::Surface : MeshDistance::Vertices,
+            options.surface || options.remesh ? MeshDistance::Surface : MeshDistance::Vertices,
             options.reorder,
             options.repair,
             options.alpha,
-            options.lift};
+            options.lift,
+            options.of_diagonal,
+            options.remesh ? std::optional(options.remesh_flags) : std::nullopt};
+}
+
+/// Options that say how to remesh.
+Status check_remesh(const Encode& options, const codec::Goal& goal) {
+    const auto refuse = [](const char* why) { return Error{ErrorCode::InvalidArgument, why, ""}; };
+    if (!options.remesh && !(options.remesh_flags == RemeshFlags()))
+        return refuse("--base, --features and --tolerance are for --remesh");
+    if (!options.remesh) return {};
+    if (goal.kind == codec::Goal::Kind::Lossless)
+        return refuse(
+            "--remesh makes another mesh of the same shape, so that no file of it is "
+            "lossless; say --max-error, --rms-error or --bytes");
+    const std::string& scheme = options.scheme.scheme;
+    if (!is_mesh(options.in) || !(scheme.empty() || scheme == "loop"))
+        return refuse("--remesh is for meshes, with the scheme loop");
+    return {};
 }
 
 /// Options that only subdivision surfaces have.
@@ -92,6 +113,8 @@ Status check_no_mesh_options(const Encode& options) {
     const auto refuse = [](const char* why) { return Error{ErrorCode::InvalidArgument, why, ""}; };
     if (options.alpha || !options.lift.empty())
         return refuse("--alpha and --lift are for subdivision surfaces");
+    if (options.of_diagonal)
+        return refuse("errors in diagonals (1e-4d) are for subdivision surfaces");
     if (options.surface)
         return refuse(
             "--surface is for subdivision surfaces; rasters and quads over the plane are measured "
@@ -130,15 +153,21 @@ Result<Outcome> run(const Encode& options, const Globals& globals) {
     if (options.over_uv && (options.scheme.scheme != "powell-sabin" || !is_mesh(options.in)))
         return Error{ErrorCode::InvalidArgument, "--uv is for meshes with --scheme powell-sabin",
                      ""};
-    if (is_points(options.in)) return encode_points(options, encode.goal, globals);
+    RELIEF_CHECK(check_remesh(options, encode.goal));
+    if (is_points(options.in)) {
+        RELIEF_CHECK(check_no_mesh_options(options));
+        return encode_points(options, encode.goal, globals);
+    }
     if (is_mesh(options.in)) {
-        if (options.scheme.scheme == "powell-sabin")
+        if (options.scheme.scheme == "powell-sabin") {
+            RELIEF_CHECK(check_no_mesh_options(options));
             return encode_triangles(
                 {options.in, options.out, encode.goal, options.over_uv, options.reference},
                 options.scheme, globals);
+        }
         RELIEF_CHECK(check_no_reference(options));
         RELIEF_TRY(const bool subdivision, is_subdivision(options.in, options.scheme));
-        if (subdivision)
+        if (subdivision || options.remesh)
             return encode_mesh(mesh_verb(options, encode.goal), options.scheme, globals);
         RELIEF_CHECK(check_no_mesh_options(options));
         return encode_quads(options.in, options.out, options.scheme, encode.goal);
@@ -159,6 +188,23 @@ Result<Outcome> run(const Encode& options, const Globals& globals) {
     outcome.json = json_of(*report, options.profile, watch.seconds());
     outcome.text = text_of(options, *report, source->description());
     return outcome;
+}
+
+/// An option for a number, which may have a d behind it.
+void add_length(CLI::Option_group& group, const std::string& name, std::optional<double>& length,
+                bool& of_diagonal, const std::string& description) {
+    group
+        .add_option_function<std::string>(
+            name,
+            [name, &length, &of_diagonal](const std::string& text) {
+                of_diagonal = text.size() > 1 && text.back() == 'd';
+                double value = 0;
+                if (!CLI::detail::lexical_cast(text.substr(0, text.size() - of_diagonal), value))
+                    throw CLI::ConversionError(text, name);
+                length = value;
+            },
+            description)
+        ->type_name("FLOAT");
 }
 
 }  // namespace
@@ -184,10 +230,11 @@ void add_encode(Program& program) {
     options->scheme.add_to(*verb);
     CLI::Option_group* goal =
         verb->add_option_group("Goal", "one of these; without one the file is lossless");
-    goal->add_option("--max-error", options->max_error,
-                     "largest error of any sample or vertex, in data units; verified");
-    goal->add_option("--rms-error", options->rms_error,
-                     "largest root mean square error, in data units");
+    add_length(*goal, "--max-error", options->max_error, options->of_diagonal,
+               "largest error of any sample or vertex, in data units, or for meshes with a d in "
+               "diagonals (1e-4d); verified");
+    add_length(*goal, "--rms-error", options->rms_error, options->of_diagonal,
+               "largest root mean square error, in data units, or diagonals");
     goal->add_option("--keep", options->keep,
                      "only threshold: keep this many coefficients, in per cent of the samples");
     goal->add_option("--bytes", options->bytes, "largest size of the file");
@@ -207,6 +254,10 @@ void add_encode(Program& program) {
                    "evenly over each; --rms-error is that of these points");
     verb->add_flag("--reorder", options->reorder,
                    "meshes: vertices and faces in the order of subdivision, which takes less");
+    verb->add_flag("--remesh", options->remesh,
+                   "meshes that are no subdivisions of anything: first make one of the same shape; "
+                   "errors are distances from IN, both ways: see --surface and 'relief remesh'");
+    options->remesh_flags.add_to(*verb);
     std::vector<std::string> lifts;
     for (const multires::LiftKind kind : multires::kLiftKinds)
         lifts.emplace_back(multires::lift_name(kind));

@@ -70,9 +70,11 @@ void add_fit(Program& program) {
                      "energy, which planes do not have, or jumps, those of second derivatives from "
                      "piece to piece, which quadratics do not have")
         ->check(CLI::IsMember({"plate", "jumps"}));
-    verb->add_option("--gradients", fit.gradients,
-                     "interpolation: slopes at the points by rule adaptive (default), quadratic "
-                     "(smooth data only), plane or zero");
+    verb->add_option(
+            "--gradients", fit.gradients,
+            "interpolation: rule for the slopes at the points (default adaptive; quadratic is "
+            "for smooth data only)")
+        ->type_name("TEXT:{adaptive,quadratic,plane,zero}");
     verb->add_option("--columns", fit.columns, kColumnsHelp);
     fit.reference.add_to(*verb);
 }

@@ -21,10 +21,19 @@ struct Sample {
     io::SyntheticOptions surface;
 };
 
-std::string known_names() {
-    std::string known;
-    for (const std::string_view name : io::synthetic_names())
-        known += (known.empty() ? "" : ", ") + std::string(name);
+std::string joined(const std::vector<std::string_view>& names, const char* between) {
+    std::string all;
+    for (const std::string_view name : names)
+        all += (all.empty() ? "" : between) + std::string(name);
+    return all;
+}
+
+/// What NAME may be; some names are those of a raster and of a mesh.
+std::vector<std::string_view> known_names() {
+    std::vector<std::string_view> known = io::synthetic_names();
+    for (const std::string_view name : io::synthetic_mesh_names())
+        if (std::find(known.begin(), known.end(), name) == known.end()) known.push_back(name);
+    known.emplace_back("terrain");
     return known;
 }
 
@@ -84,18 +93,22 @@ Result<Outcome> run(const Sample& options, const Globals& globals) {
 
 void add_sample(Program& program) {
     auto options = std::make_shared<Sample>();
-    CLI::App* verb = add_verb(program, "sample",
-                              "Write a synthetic surface to try things on: " + known_names() + ".",
-                              "  relief sample ridged mountains.tif --size 1025 --seed 7\n"
-                              "  relief sample franke franke.tif --size 257\n"
-                              "  relief sample icosahedron icosahedron.obj\n"
-                              "  relief sample franke franke.csv --size 33",
-                              [options, &program] { return run(*options, program.globals); });
-    verb->add_option("NAME", options->name, known_names() + " (terrain is ridged)")->required();
+    CLI::App* verb = add_verb(
+        program, "sample",
+        "Write a synthetic surface to try things on: " + joined(io::synthetic_names(), ", ") + ".",
+        "  relief sample ridged mountains.tif --size 1025 --seed 7\n"
+        "  relief sample franke franke.tif --size 257\n"
+        "  relief sample icosahedron icosahedron.obj\n"
+        "  relief sample franke franke.csv --size 33",
+        [options, &program] { return run(*options, program.globals); });
+    verb->add_option(
+            "NAME", options->name,
+            "a raster: " + joined(io::synthetic_names(), ", ") +
+                " (terrain is ridged); or a mesh: " + joined(io::synthetic_mesh_names(), ", "))
+        ->required()
+        ->type_name("TEXT:{" + joined(known_names(), ",") + "}");
     verb->add_option("OUT", options->out,
-                     "the raster, mesh or points (.xyz, .csv); its extension names the format. "
-                     "Meshes are cube, "
-                     "octahedron, icosahedron, torus")
+                     "the raster, mesh or points (.xyz, .csv); its extension names the format")
         ->required();
     verb->add_option("--size", options->surface.size, "samples a side (default 513)");
     verb->add_option("--seed", options->surface.seed, "which terrain (ridged)");

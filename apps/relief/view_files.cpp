@@ -40,6 +40,14 @@ Result<Bytes> raster_bytes(const std::string& path, const Progress& progress) {
     return sink.take();
 }
 
+/// Meshes are edited at the levels that subdivision gave them.
+Error with_advice(Error error) {
+    if (error.message.starts_with("no_subdivision_connectivity"))
+        error.message +=
+            "; 'relief remesh' makes a mesh of the same shape that has levels to be edited at";
+    return error;
+}
+
 Result<Bytes> mesh_bytes(const std::string& path, const Progress& progress,
                          std::vector<std::string>& notices) {
     RELIEF_TRY(const bool subdivision, is_subdivision(path, {}));
@@ -51,7 +59,7 @@ Result<Bytes> mesh_bytes(const std::string& path, const Progress& progress,
     }
     RELIEF_TRY(const PolygonMesh mesh, read_polygons(path));
     auto encoded = codec::encode_mesh(mesh, {.goal = kLossless, .progress = progress});
-    if (!encoded.ok()) return located(encoded.error(), path);
+    if (!encoded.ok()) return located(with_advice(encoded.error()), path);
     if (encoded->report.lost_creases > 0)
         notices.push_back(
             fmt::format("{} sharp edges are no part of sharp edges of the coarser "

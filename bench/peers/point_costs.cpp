@@ -12,6 +12,7 @@
 #include "relief/multires/ps_adaptive.h"
 #include "relief/multires/ps_fit.h"
 #include "relief/multires/ps_gradients.h"
+#include "relief/multires/ps_interpolant.h"
 #include "relief/multires/ps_lift.h"
 #include "relief/multires/ps_surface.h"
 
@@ -91,9 +92,10 @@ Result<json> building(const Samples& sites, int runs) {
     json line{{"cost", "building"}, {"sites", sites.places.size()}};
     std::vector<double> triangulation;
     std::vector<double> gradients;
-    std::vector<double> spaces;
+    std::vector<double> splits;
     std::vector<double> surfaces;
     std::vector<double> locators;
+    std::vector<double> controls;
     for (int run = 0; run < runs; ++run) {
         double start = thread_seconds();
         const auto lap = [&start](std::vector<double>& seconds) {
@@ -106,44 +108,59 @@ Result<json> building(const Samples& sites, int runs) {
         const std::vector<double> values(delaunay.mesh.x);
         RELIEF_CHECK(ps::estimate_gradients(delaunay.mesh, values));
         lap(gradients);
-        RELIEF_TRY(const ps::Space space, ps::make_space(std::move(delaunay.mesh)));
-        lap(spaces);
-        const ps::Coefficients spline = flat_spline(space);
-        RELIEF_CHECK(ps::Surface::create(space, std::span(&spline, 1)));
+        RELIEF_TRY(const ps::Split cut, ps::split(delaunay.mesh));
+        lap(splits);
+        const ps::TangentPlanes flat(values.size());
+        start = thread_seconds();
+        RELIEF_CHECK(ps::Surface::create(delaunay.mesh, cut, std::span(&flat, 1)));
         lap(surfaces);
-        const mesh::TriangleLocator locator(space.mesh);
+        const mesh::TriangleLocator locator(delaunay.mesh);
         lap(locators);
+        RELIEF_CHECK(ps::make_space(std::move(delaunay.mesh)));
+        lap(controls);
     }
     line["triangulation"] = summary(triangulation);
     line["gradients"] = summary(gradients);
-    line["space"] = summary(spaces);
+    line["split"] = summary(splits);
     line["surface"] = summary(surfaces);
     line["locator"] = summary(locators);
+    line["space"] = summary(controls);
     return line;
 }
 
 Result<json> memory(const Samples& sites) {
     const double start = resident_bytes();
+    std::vector<double> parts;
+    const auto lap = [&parts, start] {
+        double before = start;
+        for (const double part : parts) before += part;
+        parts.push_back(resident_bytes() - before);
+    };
+    RELIEF_TRY(const ps::Interpolant interpolant,
+               ps::Interpolant::create(sites.places, sites.values));
+    lap();
     RELIEF_TRY(mesh::Delaunay delaunay, mesh::delaunay(sites.places));
     mesh::Triangulation mesh = std::move(delaunay.mesh);
     delaunay = {};
-    const double of_mesh = resident_bytes() - start;
+    lap();
     RELIEF_TRY(const ps::Space space, ps::make_space(std::move(mesh)));
-    const double of_space = resident_bytes() - start - of_mesh;
-    ps::Coefficients spline = flat_spline(space);
-    RELIEF_TRY(const ps::Surface surface, ps::Surface::create(space, std::span(&spline, 1)));
-    spline = {};
-    const double of_surface = resident_bytes() - start - of_mesh - of_space;
+    lap();
     const mesh::TriangleLocator locator(space.mesh);
-    const double all = resident_bytes() - start;
+    lap();
     const auto vertices = static_cast<double>(space.mesh.vertex_count());
+    const mesh::PlaneTriangles& corners = interpolant.triangles();
+    const double triangles =
+        static_cast<double>(2 * sizeof(double) * corners.x.size() +
+                            sizeof(corners.triangles[0]) * corners.triangles.size()) /
+        vertices;
     return json{{"cost", "memory"},
                 {"vertices", vertices},
-                {"surface", of_surface / vertices},
-                {"locator", (all - of_surface - of_space - of_mesh) / vertices},
-                {"triangulation", of_mesh / vertices},
-                {"split_and_control", of_space / vertices},
-                {"all", all / vertices}};
+                {"all", parts[0] / vertices},
+                {"triangles", triangles},
+                {"locator", parts[3] / vertices},
+                {"surface", (parts[0] - parts[3]) / vertices - triangles},
+                {"triangulation", parts[1] / vertices},
+                {"split_and_control", parts[2] / vertices}};
 }
 
 Result<json> refinement(int runs) {

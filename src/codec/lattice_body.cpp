@@ -8,7 +8,6 @@ namespace relief::codec {
 
 namespace {
 
-using multires::LevelCoefficients;
 using multires::Planes;
 
 /// Closed-loop files: control coefficients are samples.
@@ -30,16 +29,18 @@ class LatticeBody final : public RasterBody {
     }
 
     /// What the file has at holes is an interpolation.
-    Result<LevelCoefficients<double>> coefficients(int level,
-                                                   const LatticeBox& part) const override {
+    Result<ControlPart> coefficients(int level, const LatticeBox& part) const override {
         RELIEF_TRY(LatticeWindow window, file_->read(level, part, true));
-        return LevelCoefficients<double>{part, std::move(window.planes)};
+        return ControlPart{
+            {part, std::move(window.planes)}, std::move(window.mask), std::move(window.damaged)};
     }
 
     Result<Planes<double>> control_net() const override {
         RELIEF_TRY(auto finest, coefficients(0, {0, 0, layout_.rows, layout_.cols}));
-        return std::move(finest.planes);
+        return std::move(finest.net.planes);
     }
+
+    bool decodes_parts() const override { return true; }
 
     int finest_level() const override {
         const std::size_t complete = container_.complete_chunks();

@@ -233,7 +233,7 @@ Result<LatticeFile::TilePointer> LatticeFile::coarse(int tier, std::int64_t numb
 }
 
 void LatticeFile::copy_tile(const Tile& tile, int tier, std::int64_t number, int level,
-                            const LatticeBox& window, LatticeWindow& out) const {
+                            const LatticeBox& window, bool fill_holes, LatticeWindow& out) const {
     const int shift = level - TileTree::kTierLevels * tier;
     const LatticeBox box = tree_.box(tier, number);
     const LatticeBox have = in_level(box, shift);
@@ -260,7 +260,7 @@ void LatticeFile::copy_tile(const Tile& tile, int tier, std::int64_t number, int
         if (window.contains(row, col))
             out.planes[repair.component](row - window.row0, col - window.col0) = repair.value;
     }
-    if (tile.valid.empty()) return;
+    if (tile.valid.empty() || fill_holes) return;
     for (Grid<double>& plane : out.planes)
         visit_holes(tile.valid, tier, number, level, window, [&](std::int64_t r, std::int64_t c) {
             plane(r, c) = std::numeric_limits<double>::quiet_NaN();
@@ -304,8 +304,7 @@ Result<LatticeWindow> LatticeFile::read(int level, const LatticeBox& window,
             failed[at] = tile.error();
             return;
         }
-        if (fill_holes) tile->valid = {};
-        copy_tile(*tile, tier, number, level, window, out);
+        copy_tile(*tile, tier, number, level, window, fill_holes, out);
         tile->state = {};
         abouts[at] = *std::move(tile);
     });

@@ -66,7 +66,7 @@ class LatticeFile {
     /// Samples of `window`, in the lattice of `level`. Requires: 0 <= level <= tree().levels(), a
     /// window inside the lattice. What is not there is interpolated from coarser levels; damaged
     /// chunks too, and they are named. Errors: BadFile when not even the first chunk is there.
-    /// fill_holes: holes have interpolated values instead of NaN, and there is no mask.
+    /// fill_holes: holes have interpolated values instead of NaN.
     [[nodiscard]] Result<LatticeWindow> read(int level, const LatticeBox& window,
                                              bool fill_holes = false) const;
 
@@ -101,7 +101,7 @@ class LatticeFile {
                                 const LatticeBox& box, TileState& state);
     [[nodiscard]] Grid<std::uint8_t> mask_from_above(int tier, std::int64_t number) const;
     void copy_tile(const Tile& tile, int tier, std::int64_t number, int level,
-                   const LatticeBox& window, LatticeWindow& out) const;
+                   const LatticeBox& window, bool fill_holes, LatticeWindow& out) const;
 
     /// Calls visit(r, c) for the holes of a tile of `tier` in a window of the level's lattice.
     template <class Visit>

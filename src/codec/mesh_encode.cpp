@@ -53,7 +53,7 @@ class Encoder {
         : mesh_(mesh),
           options_(options),
           source_(std::move(source)),
-          measure_(mesh, source_.points, source_.order, options.distance),
+          measure_(mesh, source_.points, source_.order, options.distance, options.original),
           exact_(coefficients_of(source_.synthesis, source_.points)) {
         std::vector<double> all;
         for (const auto& p : source_.points) all.insert(all.end(), {p.x, p.y, p.z});
@@ -212,7 +212,7 @@ class Encoder {
     Result<Trial> search_weights(double first_step) {
         Weights weights = plain_weights();
         RELIEF_TRY(std::optional<Trial> best, search_step(weights, first_step, kSomeSamples));
-        if (!best) return search_lossless();
+        if (!best) return all_but_lossless();
         std::size_t least = size_of(*best);
         const auto climb = [&](auto next) -> Result<bool> {
             for (bool moved = false;; moved = true) {
@@ -242,9 +242,18 @@ class Encoder {
             RELIEF_TRY(const bool longer, climb_tangential(1.5));
             if (!longer) RELIEF_CHECK(climb_tangential(1 / 1.5));
             RELIEF_TRY(best, search_step(weights, best->quantisation.step, kAllSamples));
-            if (!best) return search_lossless();
+            if (!best) return all_but_lossless();
         }
         return *std::move(best);
+    }
+
+    /// No step is small enough.
+    Result<Trial> all_but_lossless() {
+        if (!options_.original) return search_lossless();
+        return Error{ErrorCode::BadInput,
+                     "goal_out_of_reach: the mesh is too far from the original, however exactly it "
+                     "is kept; remesh it with more base faces or levels, or take a larger error",
+                     ""};
     }
 
     /// Coordinates are corrected to the bit: finer steps cost details, coarser ones corrections.
@@ -353,7 +362,8 @@ class Encoder {
             extras_[numbers.attributes()] =
                 write_attributes(mesh_, source_.header.attributes, hierarchy(), source_.order);
             extras_[numbers.labels()] = write_labels(mesh_, source_.order, source_.sides);
-            extras_[numbers.creases()] = write_creases(mesh_);
+            extras_[numbers.creases()] =
+                has_creases_of_tags() ? Bytes{kCreasesOfTags} : write_creases(mesh_);
         }
         for (std::size_t k = 0; k < chunks.size(); ++k)
             if (!extras_[k].empty()) chunks[k] = extras_[k];
@@ -407,6 +417,17 @@ class Encoder {
         return encoded;
     }
 
+    /// Whether the creases of the mesh are those of the transform, in its numbers and order.
+    [[nodiscard]] bool has_creases_of_tags() const {
+        if (mesh_.creases.empty() && mesh_.sharp_vertices.empty()) return false;
+        PolygonMesh marked;
+        add_creases(hierarchy(), levels(), marked);
+        const auto& order = source_.order.vertices;
+        for (std::size_t v = 0; v < order.size(); ++v)
+            if (order[v] != v) return false;
+        return marked.creases == mesh_.creases && marked.sharp_vertices == mesh_.sharp_vertices;
+    }
+
     /// Squared distance of the mesh from the surface of its base.
     [[nodiscard]] double coarsest_square() const {
         MeshCoefficients smooth = exact_;
@@ -451,12 +472,31 @@ class Encoder {
     double done_ = 0;
 };
 
+/// Creases in the order of the transform, if they are the same.
+void order_creases(const multires::MeshHierarchy& hierarchy, int levels, PolygonMesh& mesh) {
+    const auto sorted = [](const PolygonMesh& of) {
+        std::vector<std::pair<std::pair<int, int>, double>> creases;
+        for (const CreaseEdge& crease : of.creases)
+            creases.emplace_back(std::minmax(crease.a, crease.b), crease.sharpness);
+        for (const SharpVertex& sharp : of.sharp_vertices)
+            creases.emplace_back(std::pair{sharp.vertex, sharp.vertex}, sharp.sharpness);
+        std::sort(creases.begin(), creases.end());
+        return creases;
+    };
+    PolygonMesh marked;
+    add_creases(hierarchy, levels, marked);
+    if (sorted(marked) != sorted(mesh)) return;
+    mesh.creases = std::move(marked.creases);
+    mesh.sharp_vertices = std::move(marked.sharp_vertices);
+}
+
 Result<EncodedMesh> encode_as(const PolygonMesh& mesh, multires::MeshScheme scheme,
                               const MeshEncodeOptions& options) {
     RELIEF_TRY(MeshSource source, prepare_mesh(mesh, scheme, options));
     if (options.keep_order) return Encoder(mesh, options, std::move(source)).run();
-    const PolygonMesh ordered = reordered(mesh, source.order, source.sides);
+    PolygonMesh ordered = reordered(mesh, source.order, source.sides);
     source.order = same_order(source.hierarchy().topology(source.header.levels));
+    order_creases(source.hierarchy(), source.header.levels, ordered);
     return Encoder(ordered, options, std::move(source)).run();
 }
 

@@ -217,7 +217,10 @@ Result<PolygonMesh> MeshFile::State::finest(const MeshSynthesis& synthesis) cons
     for (Index f = 1; f <= mesh.face_count; ++f) result.offsets.push_back(std::int64_t{sides} * f);
     RELIEF_CHECK(read_named(synthesis.hierarchy(), order, result));
     RELIEF_TRY(const Bytes creases, container.chunk(numbers().creases()));
-    RELIEF_CHECK(read_creases(creases, result));
+    if (creases == Bytes{kCreasesOfTags})
+        add_creases(synthesis.hierarchy(), header.levels, result);
+    else
+        RELIEF_CHECK(read_creases(creases, result));
     if (const Status checked = relief::check(result); !checked.ok())
         return bad_file(checked.error().text() + "; the file is damaged", "mesh");
     return result;
@@ -242,14 +245,7 @@ Result<PolygonMesh> MeshFile::State::coarser(const MeshSynthesis& synthesis, int
     RELIEF_CHECK(set_points(places, {}, result));
     const mesh::Topology& mesh = synthesis.hierarchy().topology(at);
     add_faces(mesh::faces_of(mesh), result);
-    const multires::MeshTags& marks = synthesis.hierarchy().tags(at);
-    for (Index h = 0; !marks.sharp.empty() && h < mesh.half_edge_count(); ++h)
-        if (mesh.is_first(h) && !mesh.on_boundary(h) && marks.sharp[mesh.edge[h]])
-            result.creases.push_back({static_cast<std::int32_t>(mesh.origin[h]),
-                                      static_cast<std::int32_t>(mesh.target(h)), HUGE_VAL});
-    for (std::size_t v = 0; v < marks.corner.size(); ++v)
-        if (marks.corner[v])
-            result.sharp_vertices.push_back({static_cast<std::int32_t>(v), HUGE_VAL});
+    add_creases(synthesis.hierarchy(), at, result);
     if (!knows_names()) return result;
     const MeshHierarchy& hierarchy = synthesis.hierarchy();
     RELIEF_TRY(const Bytes order_chunk, container.chunk(numbers().order()));

@@ -8,8 +8,8 @@
 namespace relief::codec {
 
 MeshMeasure::MeshMeasure(const PolygonMesh& mesh, const MeshPoints& points, const MeshOrder& order,
-                         MeshDistance distance)
-    : points_(points), order_(order), distance_(distance) {
+                         MeshDistance distance, const PolygonMesh* original)
+    : points_(points), order_(order), distance_(distance), original_(original) {
     if (distance == MeshDistance::Surface)
         shape_ = {.vertices = mesh.vertices, .offsets = mesh.offsets, .corners = mesh.corners};
 }
@@ -28,7 +28,8 @@ MeshErrors MeshMeasure::operator()(const MeshPoints& decoded, std::int64_t sampl
     for (std::size_t v = 0; v < decoded.size(); ++v)
         other.vertices[order_.vertices[v]] = {decoded[v].x, decoded[v].y, decoded[v].z};
     // Both have faces, without which there would be no distance.
-    const mesh::SurfaceDistance distance = *mesh::surface_distance(shape_, other, samples);
+    const mesh::SurfaceDistance distance =
+        *mesh::surface_distance(original_ ? *original_ : shape_, other, samples);
     errors.max = distance.largest();
     errors.rms = distance.rms();
     return errors;

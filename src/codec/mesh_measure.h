@@ -24,8 +24,9 @@ inline constexpr double kLargestMeasured = 1e75;
 /// in the numbers of a hierarchy.
 class MeshMeasure {
   public:
+    /// original: what distances by surface are measured from; null: the mesh.
     MeshMeasure(const PolygonMesh& mesh, const MeshPoints& points, const MeshOrder& order,
-                MeshDistance distance);
+                MeshDistance distance, const PolygonMesh* original);
 
     /// samples: on each surface.
     [[nodiscard]] MeshErrors operator()(const MeshPoints& decoded, std::int64_t samples) const;
@@ -35,6 +36,7 @@ class MeshMeasure {
     const MeshOrder& order_;
     MeshDistance distance_;
     PolygonMesh shape_;  ///< the mesh without what is not its shape
+    const PolygonMesh* original_;
 };
 
 }  // namespace relief::codec

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "relief/codec/raster_surface.h"
+#include "relief/core/sampling.h"
 #include "relief/mesh/triangle_locator.h"
 #include "relief/multires/ps_surface.h"
 
@@ -21,46 +22,12 @@ using spline::PlaneJet;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr PlaneJet kNothing{kNan, {kNan, kNan}, kNan, kNan, kNan};
 
-/// Places of a raster to its lattice and back.
-class PlaceMap {
-  public:
-    static Result<PlaceMap> create(const GeoReference& geo) {
-        // Sample (i, j) has its centre at column j + 1/2, row i + 1/2 of the transform.
-        const std::array<double, 6> t =
-            geo.transform.value_or(std::array<double, 6>{-0.5, 1, 0, -0.5, 0, 1});
-        const double determinant = t[1] * t[5] - t[2] * t[4];
-        PlaceMap map;
-        map.x0_ = t[0] + 0.5 * t[1] + 0.5 * t[2];
-        map.y0_ = t[3] + 0.5 * t[4] + 0.5 * t[5];
-        map.jx_ = t[5] / determinant;
-        map.jy_ = -t[2] / determinant;
-        map.ix_ = -t[4] / determinant;
-        map.iy_ = t[1] / determinant;
-        if (std::isfinite(map.jx_) && std::isfinite(map.jy_) && std::isfinite(map.ix_) &&
-            std::isfinite(map.iy_))
-            return map;
-        return Error{ErrorCode::BadInput,
-                     "its transform gives different samples the same place; correct it: "
-                     "gdal_edit.py -a_ullr",
-                     ""};
-    }
-
-    [[nodiscard]] double row(Vec2 p) const { return ix_ * (p.x - x0_) + iy_ * (p.y - y0_); }
-    [[nodiscard]] double col(Vec2 p) const { return jx_ * (p.x - x0_) + jy_ * (p.y - y0_); }
-
-    /// The chain rule.
-    [[nodiscard]] PlaneJet to_data_units(const spline::SurfaceJet<double>& jet) const {
-        return {jet.value,
-                {jet.dj * jx_ + jet.di * ix_, jet.dj * jy_ + jet.di * iy_},
-                jet.djj * jx_ * jx_ + 2 * jet.dij * jx_ * ix_ + jet.dii * ix_ * ix_,
-                jet.djj * jx_ * jy_ + jet.dij * (jx_ * iy_ + jy_ * ix_) + jet.dii * ix_ * iy_,
-                jet.djj * jy_ * jy_ + 2 * jet.dij * jy_ * iy_ + jet.dii * iy_ * iy_};
-    }
-
-  private:
-    double x0_ = 0, y0_ = 0;                    ///< place of lattice point (0, 0)
-    double jx_ = 0, jy_ = 0, ix_ = 0, iy_ = 0;  ///< d(j, i) / d(x, y)
-};
+/// The chain rule.
+PlaneJet to_data_units(const PlaceMap& map, const spline::SurfaceJet<double>& jet) {
+    const auto [x, y] = map.gradient(jet.di, jet.dj);
+    const auto [xx, xy, yy] = map.hessian(jet.dii, jet.dij, jet.djj);
+    return {jet.value, {x, y}, xx, xy, yy};
+}
 
 /// A lattice coordinate of 0 .. n - 1; NaN outside. Places computed from sample centres may miss
 /// the border by rounding.
@@ -117,8 +84,8 @@ class RasterPlane final : public PlaneSurface {
     [[nodiscard]] Groups groups(std::span<const Vec2> places) const {
         Groups groups;
         for (std::size_t n = 0; n < places.size(); ++n) {
-            const double i = settled(map_.row(places[n]), rows_);
-            const double j = settled(map_.col(places[n]), cols_);
+            const double i = settled(map_.row(places[n].x, places[n].y), rows_);
+            const double j = settled(map_.col(places[n].x, places[n].y), cols_);
             if (std::isnan(i) || std::isnan(j)) continue;
             const std::int64_t row = in_tiles_ ? static_cast<std::int64_t>(i) / kSide * kSide : 0;
             const std::int64_t col = in_tiles_ ? static_cast<std::int64_t>(j) / kSide * kSide : 0;
@@ -153,8 +120,8 @@ class RasterPlane final : public PlaneSurface {
             for (std::size_t k = 0; k < group.i.size(); ++k)
                 if (surface.valid(group.i[k], group.j[k]))
                     out[group.places[k] * count + c] =
-                        map_.to_data_units({parts[0][k], parts[1][k], parts[2][k], parts[3][k],
-                                            parts[4][k], parts[5][k]});
+                        to_data_units(map_, {parts[0][k], parts[1][k], parts[2][k], parts[3][k],
+                                             parts[4][k], parts[5][k]});
         }
         return {};
     }

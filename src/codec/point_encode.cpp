@@ -6,6 +6,7 @@
 #include "relief/codec/point_codec.h"
 #include "relief/mesh/delaunay.h"
 #include "relief/mesh/triangle_locator.h"
+#include "relief/multires/ps_interpolant.h"
 #include "relief/multires/ps_refine.h"
 #include "relief/multires/ps_surface.h"
 
@@ -72,38 +73,13 @@ Result<EncodedPs> encode(const PsModel& model, const Goal& goal, bool keep_order
                  encoded.error().where};
 }
 
-/// The weighted mean of the values at each vertex; the plain one where all weights are zero.
-std::vector<double> means(const PsData& data, std::size_t component,
-                          const mesh::Delaunay& delaunay) {
-    struct Sum {
-        double values = 0;
-        double count = 0;
-        double weighted = 0;
-        double weights = 0;
-    };
-    const std::vector<double>& values = data.values[component];
-    std::vector<Sum> sums(delaunay.mesh.vertex_count());
-    for (std::size_t k = 0; k < values.size(); ++k) {
-        Sum& sum = sums[delaunay.vertex_of_point[k]];
-        const double weight = data.weights.empty() ? 1 : data.weights[k];
-        sum.values += values[k];
-        sum.count += 1;
-        sum.weighted += weight * values[k];
-        sum.weights += weight;
-    }
-    std::vector<double> means(sums.size());
-    std::transform(sums.begin(), sums.end(), means.begin(), [](const Sum& sum) {
-        return sum.weights > 0 ? sum.weighted / sum.weights : sum.values / sum.count;
-    });
-    return means;
-}
-
 Result<EncodedPoints> interpolate(const Task& task, const Interpolation& method) {
     const PsData& data = task.data;
     RELIEF_TRY(mesh::Delaunay delaunay, mesh::delaunay(data.points));
     PsValues values{{}, method.gradients};
-    for (std::size_t m = 0; m < data.values.size(); ++m)
-        values.components.push_back(means(data, m, delaunay));
+    for (const std::vector<double>& of_points : data.values)
+        values.components.push_back(ps::vertex_means(
+            delaunay.mesh.vertex_count(), delaunay.vertex_of_point, of_points, data.weights));
     EncodedPoints result;
     result.merged = data.points.size() - delaunay.mesh.vertex_count();
     const PsModel model{std::move(delaunay.mesh), std::move(values), data, task.reference};
@@ -200,12 +176,17 @@ Result<std::size_t> count_beyond(const PsData& data, Bytes bytes, double bound) 
     RELIEF_TRY(const PsFile file, PsFile::open(std::move(bytes)));
     RELIEF_TRY(const PsSurface level, file.surface(0));
     RELIEF_TRY(const ps::Surface surface, ps::Surface::create(level.space, level.components));
-    std::vector<spline::PlaneJet> jets(data.points.size());
+    const std::size_t components = data.values.size();
+    std::vector<spline::PlaneJet> jets(components * data.points.size());
     RELIEF_CHECK(ps::evaluate(surface, mesh::TriangleLocator(level.space.mesh), data.points, jets,
                               ps::Outside::Nearest));
     std::size_t beyond = 0;
-    for (std::size_t k = 0; k < jets.size(); ++k)
-        beyond += std::abs(jets[k].value - data.values[0][k]) > bound;
+    for (std::size_t k = 0; k < data.points.size(); ++k) {
+        double off = 0;
+        for (std::size_t m = 0; m < components; ++m)
+            off = std::max(off, std::abs(jets[k * components + m].value - data.values[m][k]));
+        beyond += off > bound;
+    }
     return beyond;
 }
 
@@ -214,7 +195,7 @@ Result<EncodedPoints> insert_within(const Task& task, const Insertion& method, d
     const PsData& data = task.data;
     const double bound = task.goal->value;
     RELIEF_TRY(ps::AdaptiveSurface surface,
-               ps::fit_within({data.points, data.values[0], data.weights},
+               ps::fit_within({data.points, data.values, data.weights},
                               {.max_error = share * bound,
                                .most_vertices = method.most_vertices,
                                .smoothing = method.smoothing.value_or(kSmoothing),
@@ -227,7 +208,7 @@ Result<EncodedPoints> insert_within(const Task& task, const Insertion& method, d
     EncodedPoints result;
     result.smoothing = surface.report.smoothing;
     const Goal goal{Goal::Kind::MaxError, error > bound ? error + kCodeShare * bound : bound};
-    const PsModel model{std::move(surface.space.mesh), PsSplines{0, {std::move(surface.spline)}},
+    const PsModel model{std::move(surface.space.mesh), PsSplines{0, std::move(surface.components)},
                         data, task.reference};
     RELIEF_TRY(EncodedPs encoded, encode(model, goal, false, task.progress));
     result.bytes = std::move(encoded.bytes);
@@ -246,9 +227,8 @@ struct Conflict {
     double apart = 0;  ///< their values
 };
 
-/// The one whose values are farthest apart.
-Conflict worst_conflict(const PsData& data) {
-    const std::vector<double>& values = data.values[0];
+/// The one whose values are farthest apart, among those of one component.
+Conflict worst_conflict(const PsData& data, const std::vector<double>& values) {
     std::vector<std::size_t> order(data.points.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     const auto key = [&](std::size_t k) {
@@ -266,17 +246,20 @@ Conflict worst_conflict(const PsData& data) {
     }
     return worst;
 }
+Conflict worst_conflict(const PsData& data) {
+    Conflict worst;
+    for (const std::vector<double>& values : data.values) {
+        const Conflict conflict = worst_conflict(data, values);
+        if (conflict.apart > worst.apart) worst = conflict;
+    }
+    return worst;
+}
 
 Result<EncodedPoints> insert(const Task& task, const Insertion& method) {
     const PsData& data = task.data;
     if (!task.goal || task.goal->kind != Goal::Kind::MaxError || !(task.goal->value >= 0))
         return Error{ErrorCode::InvalidArgument,
                      "vertices are inserted for a largest error, a number from 0 on", ""};
-    if (data.values.size() != 1)
-        return Error{ErrorCode::InvalidArgument,
-                     "component_count: vertices are inserted for one value a point; with several, "
-                     "interpolate, or choose a number of vertices or triangles",
-                     ""};
     const double bound = task.goal->value;
     const Conflict conflict = worst_conflict(data);
     if (conflict.apart > 2 * bound && method.most_vertices >= data.points.size())

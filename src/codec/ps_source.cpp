@@ -140,7 +140,7 @@ Result<PsSource> prepare_splines(const PsModel& model, const PsSplines& splines,
     RELIEF_TRY(ps::Hierarchy hierarchy, hierarchy_on(base.mesh, splines.levels));
     const ps::Space& finest = hierarchy.space(splines.levels);
     for (const ps::Coefficients& component : splines.components)
-        RELIEF_CHECK(ps::check(finest, component));
+        RELIEF_CHECK(ps::check(finest.mesh, component));
     LevelHeights heights = splines.components;
     if (base.numbering) {
         RELIEF_TRY(const ps::Hierarchy other, hierarchy_on(model.base, splines.levels));

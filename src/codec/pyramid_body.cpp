@@ -81,14 +81,16 @@ class PyramidBody final : public RasterBody {
         return samples;
     }
 
-    Result<LevelCoefficients<double>> coefficients(int level,
-                                                   const LatticeBox& part) const override {
+    Result<ControlPart> coefficients(int level, const LatticeBox& part) const override {
         Known known;
-        if (windowed()) {
-            RELIEF_TRY(Planes<double> planes, surface(level, part, known));
-            return LevelCoefficients<double>{part, std::move(planes)};
+        ControlPart control;
+        if (decodes_parts()) {
+            control.net.box = part;
+            RELIEF_TRY(control.net.planes, surface(level, part, known));
+        } else {
+            RELIEF_TRY(control.net, whole(level, known));
         }
-        return whole(level, known);
+        return control;
     }
 
     Result<Planes<double>> control_net() const override {
@@ -109,6 +111,11 @@ class PyramidBody final : public RasterBody {
             plane = std::move(solved);
         }
         return net;
+    }
+
+    /// Parts of its surfaces depend on parts of its bands.
+    bool decodes_parts() const override {
+        return layout_.spec.id == multires::SchemeId::Cubic && !layout_.spec.exact;
     }
 
     int finest_level() const override {
@@ -208,11 +215,6 @@ class PyramidBody final : public RasterBody {
         return level == 0 && container_.chunks()[correction_chunk()].length > 0 &&
                container_.complete(correction_chunk());
     }
-    /// Parts of its surfaces depend on parts of its bands.
-    [[nodiscard]] bool windowed() const {
-        return layout_.spec.id == multires::SchemeId::Cubic && !layout_.spec.exact;
-    }
-
     /// Largest error of a surface of `level` of which so many layers are known.
     [[nodiscard]] double bound_of(int level, std::size_t fewest, std::size_t most) const {
         constexpr double unknown = std::numeric_limits<double>::infinity();
@@ -250,7 +252,7 @@ class PyramidBody final : public RasterBody {
     /// Samples of a window of `level` without corrections and moves, not rounded.
     [[nodiscard]] Result<Planes<double>> surface(int level, const LatticeBox& window,
                                                  Known& known) const {
-        if (!windowed()) {
+        if (!decodes_parts()) {
             RELIEF_TRY(const LevelCoefficients<double> control, whole(level, known));
             return cropped(multires::samples_of(layout_, control, level), window);
         }

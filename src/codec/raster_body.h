@@ -31,12 +31,14 @@ class RasterBody {
     /// Requires: a level of the file, a window inside its raster.
     [[nodiscard]] virtual Result<BodySamples> samples(int level,
                                                       const LatticeBox& window) const = 0;
-    /// Those in `part`, and perhaps others.
-    [[nodiscard]] virtual Result<multires::LevelCoefficients<double>> coefficients(
-        int level, const LatticeBox& part) const = 0;
+    /// Those in `part`, and perhaps others, before moves.
+    [[nodiscard]] virtual Result<ControlPart> coefficients(int level,
+                                                           const LatticeBox& part) const = 0;
     /// Control coefficients of a surface through all samples, corrections included.
     [[nodiscard]] virtual Result<multires::Planes<double>> control_net() const = 0;
 
+    /// Windows are decoded at the cost of what they depend on.
+    [[nodiscard]] virtual bool decodes_parts() const = 0;
     [[nodiscard]] virtual int finest_level() const = 0;
     /// Bounds as those of RasterFile; infinite: not known.
     [[nodiscard]] virtual double bound(int level) const = 0;

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <string>
 
@@ -56,25 +58,6 @@ Planes<double> without(LatticeMargin margin, Planes<double> planes) {
         plane = std::move(rest);
     }
     return planes;
-}
-
-/// The georeference of a window of every 2^level-th sample of the lattice: centres stay where they
-/// are.
-GeoReference georeference_of(GeoReference geo, int level, LatticeMargin margin,
-                             const LatticeBox& window) {
-    if (!geo.transform) return geo;
-    auto& t = *geo.transform;
-    const double step = std::ldexp(1.0, level);
-    // Centre of the first sample, then half a new cell back.
-    const auto place = [step](std::int64_t first, std::int64_t before) {
-        return static_cast<double>(first) * step - static_cast<double>(before) + 0.5 * (1 - step);
-    };
-    const double col = place(window.col0, margin.cols);
-    const double row = place(window.row0, margin.rows);
-    t[0] += col * t[1] + row * t[2];
-    t[3] += col * t[4] + row * t[5];
-    for (const std::size_t k : {1U, 2U, 4U, 5U}) t[k] *= step;
-    return geo;
 }
 
 /// The control net of closed-loop files, and the scheme whose functions moves add.
@@ -166,6 +149,12 @@ const PyramidLayout& RasterFile::layout() const {
 LatticeMargin RasterFile::margin() const {
     return state_->header.margin();
 }
+std::optional<std::pair<double, double>> RasterFile::original_range(int component) const {
+    if (!closed_loop() || edited()) return {};
+    const IntegerDomain& domain =
+        state_->header.lattice->domains[static_cast<std::size_t>(component)];
+    return std::pair{domain.value(0), domain.value(domain.highest)};
+}
 bool RasterFile::has_holes() const {
     return state_->header.has_mask;
 }
@@ -256,6 +245,20 @@ LatticeBox RasterFile::box(int level) const {
     return {0, 0, (layout().rows + step - 1) / step, (layout().cols + step - 1) / step};
 }
 
+Sampling RasterFile::samples_of_level(int level, const LatticeBox& window) const {
+    const double step = std::ldexp(1.0, level);
+    const LatticeMargin before = level == 0 ? LatticeMargin() : margin();
+    const auto place = [step](std::int64_t first, std::int64_t margin) {
+        return static_cast<double>(first) * step - static_cast<double>(margin);
+    };
+    return {{place(window.row0, before.rows), step, window.rows},
+            {place(window.col0, before.cols), step, window.cols}};
+}
+
+bool RasterFile::decodes_parts() const {
+    return !edited() && state_->body->decodes_parts();
+}
+
 namespace {
 
 Status check_level(const PyramidLayout& layout, int level) {
@@ -275,6 +278,11 @@ Result<LevelCoefficients<double>> RasterFile::coefficients(int level) const {
 
 Result<LevelCoefficients<double>> RasterFile::coefficients(int level,
                                                            const LatticeBox& part) const {
+    RELIEF_TRY(ControlPart control, control_part(level, part));
+    return std::move(control.net);
+}
+
+Result<ControlPart> RasterFile::control_part(int level, const LatticeBox& part) const {
     RELIEF_CHECK(check_level(layout(), level));
     const LatticeBox all = multires::scaling_box(layout(), level);
     if (part.rows < 1 || part.cols < 1 || !all.contains(part.row0, part.col0) ||
@@ -282,10 +290,10 @@ Result<LevelCoefficients<double>> RasterFile::coefficients(int level,
         return Error{ErrorCode::InvalidArgument,
                      "the part is not inside the control net of level " + std::to_string(level),
                      ""};
-    RELIEF_TRY(LevelCoefficients<double> result, state_->body->coefficients(level, part));
+    RELIEF_TRY(ControlPart result, state_->body->coefficients(level, part));
     if (edited()) {
         const auto moved = multires::displacement<double>(layout(), moves(), level);
-        add(result, moved);
+        add(result.net, moved);
     }
     return result;
 }
@@ -297,17 +305,35 @@ Result<Planes<double>> RasterFile::control_net() const {
     return without(margin(), std::move(whole.planes));
 }
 
-Result<DecodedRaster> RasterFile::decode_window(int level, const LatticeBox& window) const {
+Status check_damage(const std::vector<LatticeBox>& damaged) {
+    if (damaged.empty()) return {};
+    const LatticeBox& first = damaged.front();
+    return Error{ErrorCode::BadFile,
+                 "chunks of columns " + std::to_string(first.col0) + " to " +
+                     std::to_string(first.col0 + first.cols - 1) + ", rows " +
+                     std::to_string(first.row0) + " to " +
+                     std::to_string(first.row0 + first.rows - 1) +
+                     (damaged.size() > 1 ? " and of more tiles" : "") +
+                     " are damaged; 'decode --allow-damage' fills them in from coarser ones",
+                 ""};
+}
+
+Status RasterFile::check_window(int level, const LatticeBox& window) const {
     RELIEF_CHECK(check_level(layout(), level));
     const LatticeBox all = box(level);
-    if (window.rows < 1 || window.cols < 1 || window.row0 < 0 || window.col0 < 0 ||
-        window.row0 > all.rows - window.rows || window.col0 > all.cols - window.cols)
-        return Error{ErrorCode::InvalidArgument,
-                     "the window " + std::to_string(window.col0) + "," +
-                         std::to_string(window.row0) + "," + std::to_string(window.cols) + "," +
-                         std::to_string(window.rows) + " is not inside the " +
-                         std::to_string(all.cols) + " x " + std::to_string(all.rows) + " raster",
-                     ""};
+    if (window.rows >= 1 && window.cols >= 1 && window.row0 >= 0 && window.col0 >= 0 &&
+        window.row0 <= all.rows - window.rows && window.col0 <= all.cols - window.cols)
+        return {};
+    return Error{ErrorCode::InvalidArgument,
+                 "the window " + std::to_string(window.col0) + "," + std::to_string(window.row0) +
+                     "," + std::to_string(window.cols) + "," + std::to_string(window.rows) +
+                     " is not inside the " + std::to_string(all.cols) + " x " +
+                     std::to_string(all.rows) + " raster",
+                 ""};
+}
+
+Result<DecodedRaster> RasterFile::decode_window(int level, const LatticeBox& window) const {
+    RELIEF_CHECK(check_window(level, window));
     LatticeBox part = window;
     if (level == 0) {
         part.row0 += margin().rows;
@@ -323,7 +349,7 @@ Result<DecodedRaster> RasterFile::decode_window(int level, const LatticeBox& win
     raster = description_of(description());
     raster.rows = window.rows;
     raster.cols = window.cols;
-    raster.geo = georeference_of(raster.geo, level, margin(), part);
+    raster.geo = georeference_of(raster.geo, samples_of_level(level, window));
     raster.mask = std::move(samples.mask);
     for (Grid<double>& plane : samples.planes) {
         if (samples.stored) continue;
@@ -365,6 +391,19 @@ Status write_with(const std::shared_ptr<const ByteSource>& source, const std::ve
 }
 
 }  // namespace
+
+void note_origin(const RasterFile& file, std::optional<double> bound, Raster& raster) {
+    std::erase_if(raster.metadata,
+                  [](const auto& item) { return item.first.starts_with("RELIEF_"); });
+    const multires::SchemeSpec& spec = file.spec();
+    raster.metadata.emplace_back("RELIEF_SCHEME", std::string(multires::scheme_name(spec.id)) +
+                                                      " order " + std::to_string(spec.order));
+    raster.metadata.emplace_back("RELIEF_LEVELS", std::to_string(spec.levels));
+    if (!bound) return;
+    std::array<char, 32> text{};
+    char* const end = std::to_chars(text.data(), text.data() + text.size(), *bound).ptr;
+    raster.metadata.emplace_back("RELIEF_MAX_ERROR", std::string(text.data(), end));
+}
 
 Status add_moves(const std::shared_ptr<const ByteSource>& source, const std::vector<Move>& moves,
                  ByteSink& sink) {

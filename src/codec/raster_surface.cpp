@@ -6,44 +6,81 @@
 
 namespace relief::codec {
 
-Result<RasterSurface> RasterSurface::create(const RasterFile& file, int level,
-                                            const LatticeBox& window) {
-    RasterSurface surface;
-    surface.window_ = window;
-    RELIEF_TRY(DecodedRaster decoded, file.decode_window(level, window));
-    if (!decoded.damaged.empty())
-        return Error{ErrorCode::BadFile,
-                     "chunks of the tiles around that place are damaged; 'decode --allow-damage' "
-                     "fills them in from coarser ones",
-                     "row " + std::to_string(decoded.damaged[0].row0) + ", column " +
-                         std::to_string(decoded.damaged[0].col0)};
-    surface.mask_ = std::move(decoded.raster.mask);
-    const LatticeBox all = multires::scaling_box(file.layout(), level);
-    const LatticeMargin margin = level == 0 ? file.margin() : LatticeMargin();
-    const LatticeBox part{window.row0 + margin.rows, window.col0 + margin.cols, window.rows,
-                          window.cols};
-    const bool windowed = file.closed_loop() && all.rows > 1 && all.cols > 1;
+namespace {
+
+Grid<std::uint8_t> cut_out(const Grid<std::uint8_t>& mask, const LatticeBox& box) {
+    if (mask.empty()) return {};
+    Grid<std::uint8_t> part(box.rows, box.cols);
+    for (std::int64_t r = 0; r < box.rows; ++r)
+        std::copy_n(mask.row(box.row0 + r) + box.col0, box.cols, part.row(r));
+    return part;
+}
+
+}  // namespace
+
+/// The samples that a part of a closed-loop file depends on, and no others, are decoded.
+Status RasterSurface::create_part(const RasterFile& file, int level, const LatticeBox& part,
+                                  const LatticeBox& all) {
+    const LatticeBox wanted = spline::FvsSurface<double>::samples_for(part, all.rows, all.cols);
+    RELIEF_TRY(const ControlPart control, file.control_part(level, wanted));
+    RELIEF_CHECK(check_damage(control.damaged));
+    mask_ = cut_out(control.mask, relative(part, wanted.row0, wanted.col0));
+    for (const Grid<double>& plane : control.net.planes) {
+        RELIEF_TRY(auto made,
+                   multires::Surface<double>::create_fvs(
+                       {plane.view(), wanted.row0, wanted.col0, all.rows, all.cols}, part));
+        surfaces_.push_back(std::move(made));
+    }
+    return {};
+}
+
+Status RasterSurface::create_whole(const RasterFile& file, int level) {
+    RELIEF_TRY(DecodedRaster decoded, file.decode_window(level, window_));
+    RELIEF_CHECK(check_damage(decoded.damaged));
+    mask_ = std::move(decoded.raster.mask);
     multires::LevelCoefficients<double> net;
-    if (windowed) {
-        RELIEF_TRY(net, file.coefficients(level, spline::FvsSurface<double>::samples_for(
-                                                     part, all.rows, all.cols)));
-    } else if (level == 0) {
+    if (level == 0) {
         RELIEF_TRY(net.planes, file.control_net());
-        net.box = {all.row0 + margin.rows, all.col0 + margin.cols, 0, 0};
+        const LatticeBox all = multires::scaling_box(file.layout(), 0);
+        net.box = {all.row0, all.col0, 0, 0};
     } else {
         RELIEF_TRY(net, file.coefficients(level));
     }
-    surface.row0_ = static_cast<double>((windowed ? 0 : net.box.row0) - margin.rows);
-    surface.col0_ = static_cast<double>((windowed ? 0 : net.box.col0) - margin.cols);
+    row0_ = static_cast<double>(net.box.row0);
+    col0_ = static_cast<double>(net.box.col0);
     for (const Grid<double>& plane : net.planes) {
-        auto made = windowed
-                        ? multires::Surface<double>::create_fvs(
-                              {plane.view(), net.box.row0, net.box.col0, all.rows, all.cols}, part)
-                        : multires::Surface<double>::create(file.spec(), plane.view());
-        if (!made.ok()) return made.error();
-        surface.surfaces_.push_back(*std::move(made));
+        RELIEF_TRY(auto made, multires::Surface<double>::create(file.spec(), plane.view()));
+        surfaces_.push_back(std::move(made));
     }
+    return {};
+}
+
+Result<RasterSurface> RasterSurface::create(const RasterFile& file, int level,
+                                            const LatticeBox& window) {
+    RELIEF_CHECK(file.check_window(level, window));
+    RasterSurface surface;
+    surface.window_ = window;
+    const LatticeBox all = multires::scaling_box(file.layout(), level);
+    if (!file.closed_loop() || all.rows < 2 || all.cols < 2) {
+        RELIEF_CHECK(surface.create_whole(file, level));
+        return surface;
+    }
+    const LatticeMargin margin = level == 0 ? file.margin() : LatticeMargin();
+    const LatticeBox part{window.row0 + margin.rows, window.col0 + margin.cols, window.rows,
+                          window.cols};
+    RELIEF_CHECK(surface.create_part(file, level, part, all));
+    surface.row0_ = -static_cast<double>(margin.rows);
+    surface.col0_ = -static_cast<double>(margin.cols);
     return surface;
+}
+
+Result<const RasterSurface*> RasterSurfaces::around(int level, const LatticeBox& window) {
+    const bool whole = !file_.closed_loop();
+    const auto found = surfaces_.find(level);
+    if (found != surfaces_.end() && (whole || found->second.window() == window))
+        return &found->second;
+    RELIEF_TRY(auto made, RasterSurface::create(file_, level, whole ? file_.box(level) : window));
+    return &surfaces_.insert_or_assign(level, std::move(made)).first->second;
 }
 
 bool RasterSurface::valid(double i, double j) const {

@@ -7,7 +7,8 @@ namespace relief::edit {
 
 PackedNormal packed_normal(const Vec3<double>& unit) {
     const auto packed = [](double x) {
-        return static_cast<std::int16_t>(std::lround(32767 * std::clamp(x, -1.0, 1.0)));
+        const double scaled = 32767 * std::clamp(x, -1.0, 1.0);
+        return static_cast<std::int16_t>(scaled + std::copysign(0.5, scaled));
     };
     const bool known = std::isfinite(unit.x) && std::isfinite(unit.y) && std::isfinite(unit.z);
     if (!known) return {0, 0, 32767, 0};

@@ -13,8 +13,7 @@ constexpr std::int64_t kGrain = 4096;
 }  // namespace
 
 Point MeshDrawing::position(Index v) const {
-    const Vec3<double> p = points[v] - origin;
-    return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+    return page_point(points[v] - origin);
 }
 
 Vec3<double> MeshDrawing::normal(Index v) const {
@@ -95,15 +94,6 @@ NetGeometry MeshDrawing::net() const {
     for (const auto& [a, b] : edges_of(mesh, around)) {
         out.line.push_back(number(a));
         out.line.push_back(number(b));
-    }
-    return out;
-}
-
-NetGeometry MeshDrawing::net_of(const std::vector<Index>& moved) const {
-    NetGeometry out;
-    for (const Index v : moved) {
-        out.position.push_back(position(v));
-        out.point.push_back(number(v));
     }
     return out;
 }

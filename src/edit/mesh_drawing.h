@@ -26,9 +26,8 @@ struct MeshDrawing {
     /// is drawn.
     [[nodiscard]] SurfacePatch patch(const std::vector<mesh::Index>& moved,
                                      const Extras& extras) const;
-    /// All vertices and edges, or some of the vertices.
+    /// All vertices and edges.
     [[nodiscard]] NetGeometry net() const;
-    [[nodiscard]] NetGeometry net_of(const std::vector<mesh::Index>& moved) const;
 
   private:
     [[nodiscard]] Vec3<double> normal(mesh::Index v) const;

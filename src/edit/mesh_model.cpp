@@ -13,17 +13,6 @@ using mesh::Index;
 /// Of the size of the box around the mesh: far below what coordinates of 32 bits show.
 constexpr double kTolerance = 0x1p-27;
 
-Error wrong(std::string what) {
-    return {ErrorCode::InvalidArgument, std::move(what), ""};
-}
-
-void include(Bounds& bounds, const Vec3<double>& p) {
-    bounds.min = {std::min(bounds.min.x, p.x), std::min(bounds.min.y, p.y),
-                  std::min(bounds.min.z, p.z)};
-    bounds.max = {std::max(bounds.max.x, p.x), std::max(bounds.max.y, p.y),
-                  std::max(bounds.max.z, p.z)};
-}
-
 MeshPoints points_of(const PolygonMesh& mesh) {
     MeshPoints points;
     points.reserve(mesh.vertices.size());
@@ -224,13 +213,8 @@ Result<Change> MeshModel::changes(const View& view, const std::vector<TileName>&
     const std::vector<Index>& moved =
         touched_[static_cast<std::size_t>(depth_of(view.level))].vertices;
     if (view.show == View::Show::Edited) {
-        const MeshDrawing drawn = drawing(view.level, points_);
-        change.surface = drawn.patch(moved, view.extras);
+        change.surface = drawing(view.level, points_).patch(moved, view.extras);
         change.surface.level = view.level;
-        if (view.net && !moved.empty()) {
-            change.net = drawn.net_of(moved);
-            change.net->level = view.level;
-        }
     }
     for (Touched& touched : touched_) {
         for (const Index v : touched.vertices) touched.is_touched[v] = false;
@@ -299,8 +283,7 @@ Result<Bytes> MeshModel::file() const {
     for (const Group& group : groups_)
         for (const PointMove& move : group.moves)
             moves.push_back({move.level, move.point, {move.delta.x, move.delta.y, move.delta.z}});
-    Bytes bytes(source_->size());
-    RELIEF_CHECK(source_->read(0, bytes));
+    RELIEF_TRY(Bytes bytes, read_all(*source_));
     return codec::add_mesh_moves(std::move(bytes), moves);
 }
 

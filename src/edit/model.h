@@ -1,12 +1,39 @@
 #pragma once
 
+#include <algorithm>
+#include <limits>
 #include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "relief/edit/session.h"
 
 /// What a session asks of a surface, for each kind of file once.
 namespace relief::edit {
+
+/// A command or question that can not be meant.
+[[nodiscard]] inline Error wrong(std::string what) {
+    return {ErrorCode::InvalidArgument, std::move(what), ""};
+}
+
+inline constexpr double kInfinite = std::numeric_limits<double>::infinity();
+/// Bounds of no points at all.
+inline constexpr Bounds kNothing{{kInfinite, kInfinite, kInfinite},
+                                 {-kInfinite, -kInfinite, -kInfinite}};
+inline void include(Bounds& bounds, const Vec3<double>& p) {
+    bounds.min = {std::min(bounds.min.x, p.x), std::min(bounds.min.y, p.y),
+                  std::min(bounds.min.z, p.z)};
+    bounds.max = {std::max(bounds.max.x, p.x), std::max(bounds.max.y, p.y),
+                  std::max(bounds.max.z, p.z)};
+}
+
+/// All bytes of a file.
+[[nodiscard]] inline Result<Bytes> read_all(const ByteSource& source) {
+    Bytes bytes(static_cast<std::size_t>(source.size()));
+    RELIEF_CHECK(source.read(0, bytes));
+    return bytes;
+}
 
 /// What a command does to one control point.
 struct PointMove {

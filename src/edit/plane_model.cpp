@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "edit/plane_graph.h"
@@ -20,20 +19,6 @@ constexpr std::size_t kWholeNet = 65536;
 /// Far below what files refuse, so that what splines make of it is kept, too.
 constexpr double kLargest = 1e100;
 constexpr std::int64_t kGrain = 256;
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr Bounds kNothing{{kInfinite, kInfinite, kInfinite}, {-kInfinite, -kInfinite, -kInfinite}};
-
-Error wrong(std::string what) {
-    return {ErrorCode::InvalidArgument, std::move(what), ""};
-}
-
-void include(Bounds& bounds, const Vec3<double>& p) {
-    bounds.min = {std::min(bounds.min.x, p.x), std::min(bounds.min.y, p.y),
-                  std::min(bounds.min.z, p.z)};
-    bounds.max = {std::max(bounds.max.x, p.x), std::max(bounds.max.y, p.y),
-                  std::max(bounds.max.z, p.z)};
-}
-
 }  // namespace
 
 PlaneLevel::PlaneLevel(CellMesh mesh, std::vector<Index> number)
@@ -193,11 +178,6 @@ Result<Change> PlaneModel::changes(const View& view, const std::vector<TileName>
     change.surface.normal = std::move(drawn.normal);
     change.surface.error = std::move(drawn.error);
     change.surface.curvature = std::move(drawn.curvature);
-    if (!view.net || level(view.level).vertex_count() > kWholeNet) return change;
-    const auto edited = spline(View::Show::Edited, view.level);
-    NetGeometry& net = change.net.emplace();
-    net.level = view.level;
-    for (const Index v : changed) add_to_net(*edited, view.level, v, net);
     return change;
 }
 
@@ -262,12 +242,6 @@ Result<Measurement> PlaneModel::measure(const View& view) const {
     }
     worst.rms_error = std::sqrt(squares / static_cast<double>(now.count()));
     return worst;
-}
-
-Result<Bytes> read_all(const ByteSource& source) {
-    Bytes bytes(static_cast<std::size_t>(source.size()));
-    RELIEF_CHECK(source.read(0, bytes));
-    return bytes;
 }
 
 }  // namespace relief::edit

@@ -115,7 +115,4 @@ class PlaneModel : public Model {
     mutable Bounds bounds_;
 };
 
-/// All bytes of a file.
-[[nodiscard]] Result<Bytes> read_all(const ByteSource& source);
-
 }  // namespace relief::edit

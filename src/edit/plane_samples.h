@@ -60,8 +60,4 @@ struct PlaneFrame {
                                const spline::PlaneJet* original) const;
 };
 
-[[nodiscard]] inline Point page_point(const Vec3<double>& p) {
-    return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-}
-
 }  // namespace relief::edit

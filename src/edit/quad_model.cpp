@@ -11,10 +11,6 @@ namespace fvs_mesh = multires::fvs_mesh;
 
 namespace {
 
-Error wrong(std::string what) {
-    return {ErrorCode::InvalidArgument, std::move(what), ""};
-}
-
 codec::QuadMove file_move(const PointMove& move) {
     return {move.level, move.point, move.delta.z};
 }

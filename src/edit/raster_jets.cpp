@@ -92,26 +92,15 @@ void add(Jets& to, const Jets& from) {
     sum(to.djj, from.djj);
 }
 
-Result<const codec::RasterSurface*> OriginalSurfaces::surface(int level,
-                                                              const LatticeBox& window) const {
-    const auto found = surfaces_.find(level);
-    const bool whole = !file_->closed_loop();
-    if (found != surfaces_.end() && (whole || found->second.window() == window))
-        return &found->second;
-    RELIEF_TRY(auto made,
-               codec::RasterSurface::create(*file_, level, whole ? file_->box(level) : window));
-    return &surfaces_.insert_or_assign(level, std::move(made)).first->second;
-}
-
 Result<OriginalSurfaces::Part> OriginalSurfaces::part(int level, const Places& places,
                                                       int derivatives) const {
-    const int here = std::min(std::max(level, places.lod), file_->layout().levels());
-    const codec::LatticeMargin margin = here == 0 ? file_->margin() : codec::LatticeMargin();
+    const int here = std::min(std::max(level, places.lod), file_.layout().levels());
+    const codec::LatticeMargin margin = here == 0 ? file_.margin() : codec::LatticeMargin();
     Places moved = places;
     for (double& row : moved.rows) row = std::max(row - static_cast<double>(margin.rows), 0.0);
     for (double& col : moved.cols) col = std::max(col - static_cast<double>(margin.cols), 0.0);
-    const LatticeBox window = box_around(moved, here, 0, file_->box(here));
-    RELIEF_TRY(const codec::RasterSurface* surface, this->surface(here, window));
+    const LatticeBox window = box_around(moved, here, 0, file_.box(here));
+    RELIEF_TRY(const codec::RasterSurface* surface, surfaces_.around(here, window));
 
     const Points points(moved, here, 0, 0);
     Part part;
@@ -122,7 +111,7 @@ Result<OriginalSurfaces::Part> OriginalSurfaces::part(int level, const Places& p
         to_finest_steps(jets, here);
         part.components.push_back(std::move(jets));
     }
-    if (!file_->has_holes()) return part;
+    if (!file_.has_holes()) return part;
     part.valid.resize(places.count());
     for (std::size_t k = 0; k < places.count(); ++k)
         part.valid[k] = surface->valid(points.i[k], points.j[k]) ? 1 : 0;

@@ -36,7 +36,7 @@ void add(Jets& to, const Jets& from);
 class OriginalSurfaces {
   public:
     /// The file must outlive this and keep its address.
-    explicit OriginalSurfaces(const codec::RasterFile& file) : file_(&file) {}
+    explicit OriginalSurfaces(const codec::RasterFile& file) : file_(file), surfaces_(file) {}
 
     struct Part {
         std::vector<Jets> components;
@@ -46,12 +46,8 @@ class OriginalSurfaces {
     [[nodiscard]] Result<Part> part(int level, const Places& places, int derivatives) const;
 
   private:
-    [[nodiscard]] Result<const codec::RasterSurface*> surface(int level,
-                                                              const LatticeBox& window) const;
-
-    const codec::RasterFile* file_;
-    /// Whole surfaces, where parts of a file can not be decoded alone; else the last window's.
-    mutable std::map<int, codec::RasterSurface> surfaces_;
+    const codec::RasterFile& file_;
+    mutable codec::RasterSurfaces surfaces_;
 };
 
 /// What moves add, by level: the coefficients that they changed.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "edit/touched_boxes.h"
@@ -16,10 +15,6 @@ constexpr std::int64_t kWholeNet = 65536;
 /// Tiles of the file's surface that are kept: some 100 MB.
 constexpr std::size_t kCachedTiles = 256;
 constexpr double kLargest = 1e300;  ///< what files keep
-
-Error wrong(std::string what) {
-    return {ErrorCode::InvalidArgument, std::move(what), ""};
-}
 
 /// A part of a row by row array.
 template <class T>
@@ -68,16 +63,6 @@ std::int64_t normals_reach(const multires::SchemeSpec& spec) {
 LatticeBox grown(const LatticeBox& box, std::int64_t by) {
     return {box.row0 - by, box.col0 - by, box.rows + 2 * by, box.cols + 2 * by};
 }
-
-void include(Bounds& bounds, const Vec3<double>& p) {
-    bounds.min = {std::min(bounds.min.x, p.x), std::min(bounds.min.y, p.y),
-                  std::min(bounds.min.z, p.z)};
-    bounds.max = {std::max(bounds.max.x, p.x), std::max(bounds.max.y, p.y),
-                  std::max(bounds.max.z, p.z)};
-}
-
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr Bounds kNothing{{kInfinite, kInfinite, kInfinite}, {-kInfinite, -kInfinite, -kInfinite}};
 
 }  // namespace
 
@@ -248,11 +233,15 @@ void RasterModel::widen(const TileGeometry& tile) const {
     for (std::size_t k = 0; k < tile.position.size(); ++k)
         if (valid(k))
             include(bounds_, {tile.position[k][0], tile.position[k][1], tile.position[k][2]});
+    float low = HUGE_VALF, high = -HUGE_VALF;
     for (std::size_t k = 0; k < tile.height.size(); ++k) {
         if (!valid(k)) continue;
-        include(bounds_, {tile.x0, tile.y0, tile.height[k]});
-        include(bounds_, {tile.x1, tile.y1, tile.height[k]});
+        low = std::min(low, tile.height[k]);
+        high = std::max(high, tile.height[k]);
     }
+    if (!(low <= high)) return;
+    include(bounds_, {tile.x0, tile.y0, low});
+    include(bounds_, {tile.x1, tile.y1, high});
 }
 
 Result<TileGeometry> RasterModel::tile(const View& view, const TileName& name) const {
@@ -295,22 +284,6 @@ Result<NetGeometry> RasterModel::net(int level, const std::optional<LatticeBox>&
     return draw_net(*net, all, frame_, all_);
 }
 
-Result<NetGeometry> RasterModel::changed_net(const View& view) const {
-    const LatticeBox window = net_ ? net_->window() : LatticeBox();
-    const LatticeBox all = multires::scaling_box(bare_->layout(), view.level);
-    if (!net_ || net_->level() != view.level) return net(view.level, {});
-    NetGeometry out;
-    out.level = view.level;
-    for (const multires::Move& move : changed_) {
-        if (move.level != view.level || !window.contains(move.row, move.col)) continue;
-        const Vec3<double> p = net_->place(frame_, all_, move.row, move.col);
-        out.position.push_back(
-            {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
-        out.point.push_back(static_cast<std::uint32_t>(number_of(all, move.row, move.col)));
-    }
-    return out;
-}
-
 Result<Change> RasterModel::changes(const View& view, const std::vector<TileName>& held) {
     Change change;
     const std::vector<LatticeBox> boxes = touched_boxes(bare_->layout(), changed_, view.level);
@@ -326,9 +299,6 @@ Result<Change> RasterModel::changes(const View& view, const std::vector<TileName
             RELIEF_TRY(TileGeometry part, draw(view, name, rect));
             change.tiles.push_back(std::move(part));
         }
-    }
-    if (view.net && follows && !changed_.empty()) {
-        RELIEF_TRY(change.net, changed_net(view));
     }
     changed_.clear();
     return change;

@@ -70,7 +70,6 @@ class RasterModel final : public Model {
     [[nodiscard]] multires::Move file_move(const PointMove& move) const;
     [[nodiscard]] std::vector<multires::Move> all_moves() const;
     [[nodiscard]] Result<const RasterNet*> net_of(int level, const LatticeBox& window) const;
-    [[nodiscard]] Result<NetGeometry> changed_net(const View& view) const;
     void mark(const std::vector<multires::Move>& moves);
 
     std::shared_ptr<const ByteSource> source_;

@@ -5,14 +5,6 @@
 
 namespace relief::edit {
 
-namespace {
-
-Point to_point(const Vec3<double>& p) {
-    return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-}
-
-}  // namespace
-
 Result<RasterNet> RasterNet::create(const codec::RasterFile& file,
                                     const std::vector<multires::Move>& moves, int level,
                                     const LatticeBox& window) {
@@ -85,7 +77,7 @@ NetGeometry draw_net(const RasterNet& net, const LatticeBox& all, const TileFram
             const std::int64_t row = window.row0 + r;
             const std::int64_t col = window.col0 + c;
             const auto here = static_cast<std::uint32_t>(r * window.cols + c);
-            out.position.push_back(to_point(net.place(frame, fields, row, col)));
+            out.position.push_back(page_point(net.place(frame, fields, row, col)));
             out.point.push_back(static_cast<std::uint32_t>(number_of(all, row, col)));
             if (c > 0) out.line.insert(out.line.end(), {here - 1, here});
             if (r > 0)

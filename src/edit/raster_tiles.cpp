@@ -94,12 +94,18 @@ Vec2 TileGrid::lattice_place(Vec2 page) const {
             static_cast<double>(margin.cols) + page.x / spacing[0]};
 }
 
+namespace {
+
+/// Sample k of a parametric surface, in data coordinates.
+Vec3<double> point(const std::vector<Jets>& c, std::size_t k) {
+    return {c[0].value[k], c[1].value[k], c[2].value[k]};
+}
+
+}  // namespace
+
 Vec3<double> TileFrame::place(const std::vector<Jets>& components, const Places& places,
                               std::size_t k) const {
-    if (parametric)
-        return Vec3<double>{components[0].value[k], components[1].value[k],
-                            components[2].value[k]} -
-               origin;
+    if (parametric) return point(components, k) - origin;
     const Vec2 plan =
         grid->page_place(places.rows[k / places.cols.size()], places.cols[k % places.cols.size()]);
     return {plan.x, plan.y, components[0].value[k] - origin.z};
@@ -142,16 +148,22 @@ double TileFrame::curvature(const std::vector<Jets>& c, std::size_t k) const {
 void TileFrame::draw(const Places& places, const OriginalSurfaces::Part& part,
                      TileGeometry& out) const {
     const std::vector<Jets>& components = part.components;
-    const bool curved = !components[0].dii.empty();
-    for (std::size_t k = 0; k < places.count(); ++k) {
-        const Vec3<double> p = place(components, places, k);
-        if (parametric)
-            out.position.push_back(
-                {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
-        else
-            out.height.push_back(static_cast<float>(p.z));
-        out.normal.push_back(packed_normal(normal(components, k)));
-        if (curved) out.curvature.push_back(static_cast<float>(curvature(components, k)));
+    const std::size_t count = places.count();
+    out.normal.resize(count);
+    for (std::size_t k = 0; k < count; ++k) out.normal[k] = packed_normal(normal(components, k));
+    if (parametric) {
+        out.position.resize(count);
+        for (std::size_t k = 0; k < count; ++k)
+            out.position[k] = page_point(point(components, k) - origin);
+    } else {
+        out.height.resize(count);
+        for (std::size_t k = 0; k < count; ++k)
+            out.height[k] = static_cast<float>(components[0].value[k] - origin.z);
+    }
+    if (!components[0].dii.empty()) {
+        out.curvature.resize(count);
+        for (std::size_t k = 0; k < count; ++k)
+            out.curvature[k] = static_cast<float>(curvature(components, k));
     }
     out.valid = part.valid;
     const auto step = [](const std::vector<double>& along) {
@@ -169,13 +181,17 @@ void TileFrame::draw(const Places& places, const OriginalSurfaces::Part& part,
 
 void TileFrame::draw_errors(const Places& places, const OriginalSurfaces::Part& part,
                             const OriginalSurfaces::Part& original, TileGeometry& out) const {
-    for (std::size_t k = 0; k < places.count(); ++k) {
-        const Vec3<double> off =
-            place(part.components, places, k) - place(original.components, places, k);
-        const double along = parametric ? std::copysign(std::sqrt(dot(off, off)),
-                                                        dot(off, normal(original.components, k)))
-                                        : off.z;
-        out.error.push_back(static_cast<float>(along));
+    out.error.resize(places.count());
+    const auto& now = part.components;
+    const auto& before = original.components;
+    for (std::size_t k = 0; k < out.error.size(); ++k) {
+        if (parametric) {
+            const Vec3<double> off = point(now, k) - point(before, k);
+            out.error[k] =
+                static_cast<float>(std::copysign(length(off), dot(off, normal(before, k))));
+        } else {
+            out.error[k] = static_cast<float>(now[0].value[k] - before[0].value[k]);
+        }
     }
 }
 

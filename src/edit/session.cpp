@@ -13,10 +13,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-Error wrong(std::string what) {
-    return {ErrorCode::InvalidArgument, std::move(what), ""};
-}
-
 Result<std::unique_ptr<Model>> open_model(const std::shared_ptr<const ByteSource>& file,
                                           const OpenOptions& options) {
     const auto content = codec::content_of(file);
@@ -131,9 +127,7 @@ std::uint64_t Session::revision() const {
 
 Status Session::set_view(const View& view) {
     RELIEF_CHECK(state_->check_level(view.level));
-    const bool same_tiles = view.level == state_->view.level && view.show == state_->view.show &&
-                            view.extras == state_->view.extras;
-    if (!same_tiles) state_->held.clear();
+    if (!(view == state_->view)) state_->held.clear();
     state_->view = view;
     return {};
 }

@@ -9,10 +9,6 @@ namespace ps = multires::ps;
 
 namespace {
 
-Error wrong(std::string what) {
-    return {ErrorCode::InvalidArgument, std::move(what), ""};
-}
-
 using Components = TriangleSpline::Components;
 
 /// The splines of all levels of a file, from the finest, and the space of the coarsest.

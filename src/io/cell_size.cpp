@@ -17,7 +17,7 @@ struct Crs {
 };
 
 Crs parse_crs(const std::string& text) {
-    const detail::SpatialReference crs = detail::reference_of(text);
+    const SpatialReference crs = reference_of(text);
     if (!crs) return {};
     if (OSRIsGeographic(crs.get())) return {true, OSRGetAngularUnits(crs.get(), nullptr)};
     return {false, OSRGetLinearUnits(crs.get(), nullptr)};
@@ -43,24 +43,34 @@ double metres_of(const std::string& unit) {
     return 1;
 }
 
+/// Metres a unit of x and of y at the middle row.
+CellSize metres_of_units(const GeoReference& geo, std::int64_t rows) {
+    const detail::GdalScope gdal;
+    const Crs crs = parse_crs(geo.crs);
+    if (!crs.geographic) return {crs.unit, crs.unit};
+    const std::array<double, 6>& t = *geo.transform;
+    const double middle = t[3] + t[5] * static_cast<double>(rows) / 2;
+    constexpr double limit = 89.0 * std::numbers::pi / 180;  // cells shrink to nothing at the poles
+    const CellSize radius = radii(std::clamp(middle * crs.unit, -limit, limit));
+    return {crs.unit * radius.x, crs.unit * radius.y};
+}
+
 }  // namespace
 
 CellSize cell_size_metres(const GeoReference& geo, std::int64_t rows) {
     if (!geo.transform) return {};
-    const detail::GdalScope gdal;
     const std::array<double, 6>& t = *geo.transform;
-    const Crs crs = parse_crs(geo.crs);
-    CellSize scale{crs.unit, crs.unit};
-    if (crs.geographic) {
-        const double middle = t[3] + t[5] * static_cast<double>(rows) / 2;
-        constexpr double limit =
-            89.0 * std::numbers::pi / 180;  // cells shrink to nothing at the poles
-        const CellSize radius = radii(std::clamp(middle * crs.unit, -limit, limit));
-        scale = {crs.unit * radius.x, crs.unit * radius.y};
-    }
+    const CellSize scale = metres_of_units(geo, rows);
     const CellSize cell{std::hypot(t[1] * scale.x, t[4] * scale.y),
                         std::hypot(t[2] * scale.x, t[5] * scale.y)};
     return cell.x > 0 && cell.y > 0 ? cell : CellSize{};
+}
+
+CellSize ground_scale(const Raster& about) {
+    if (about.geo.crs.empty() || !about.geo.transform) return {};
+    const CellSize metres = metres_of_units(about.geo, about.rows);
+    const double unit = metres_of(about.unit);
+    return {metres.x / unit, metres.y / unit};
 }
 
 std::optional<CellSize> cell_size_in_unit(const Raster& about) {

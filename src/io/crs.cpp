@@ -7,6 +7,17 @@
 
 namespace relief::io {
 
+SpatialReference reference_of(const std::string& crs) {
+    SpatialReference reference(OSRNewSpatialReference(nullptr));
+    OSRSetAxisMappingStrategy(reference.get(), OAMS_TRADITIONAL_GIS_ORDER);
+    const OGRErr error =
+        OGRSpatialReference::FromHandle(reference.get())
+            ->SetFromUserInput(crs.c_str(),
+                               OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get());
+    if (crs.empty() || error != OGRERR_NONE) return {};
+    return reference;
+}
+
 namespace detail {
 
 namespace {
@@ -22,17 +33,6 @@ std::string wkt_of(OGRSpatialReferenceH reference) {
 
 }  // namespace
 
-SpatialReference reference_of(const std::string& crs) {
-    SpatialReference reference(OSRNewSpatialReference(nullptr));
-    OSRSetAxisMappingStrategy(reference.get(), OAMS_TRADITIONAL_GIS_ORDER);
-    const OGRErr error =
-        OGRSpatialReference::FromHandle(reference.get())
-            ->SetFromUserInput(crs.c_str(),
-                               OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get());
-    if (crs.empty() || error != OGRERR_NONE) return {};
-    return reference;
-}
-
 std::string crs_of(OGRSpatialReferenceH reference) {
     std::string wkt = wkt_of(reference);
     const char* authority = OSRGetAuthorityName(reference, nullptr);
@@ -47,7 +47,7 @@ std::string crs_of(OGRSpatialReferenceH reference) {
 
 Result<std::string> crs_from_user(const std::string& text) {
     const detail::GdalScope gdal;
-    const detail::SpatialReference reference(OSRNewSpatialReference(nullptr));
+    const SpatialReference reference(OSRNewSpatialReference(nullptr));
     if (OSRSetFromUserInput(reference.get(), text.c_str()) != OGRERR_NONE)
         return Error{ErrorCode::InvalidArgument,
                      "no coordinate reference system is known as '" + text + "'" + gdal.because() +

@@ -12,6 +12,9 @@
 #include <filesystem>
 #include <system_error>
 
+#include "io/gdal_scope.h"
+#include "io/virtual_file.h"
+
 namespace relief::io {
 
 namespace fs = std::filesystem;
@@ -183,11 +186,18 @@ Status check_target(const std::string& target, const std::string& path) {
 }  // namespace
 
 Result<std::vector<std::uint8_t>> read_file(const std::string& path, std::uint64_t max_bytes) {
+    if (detail::is_virtual_path(path)) {
+        RELIEF_TRY(const auto source, detail::open_virtual_source(path));
+        Bytes bytes(std::min(max_bytes, source->size()));
+        RELIEF_CHECK(source->read(0, bytes));
+        return bytes;
+    }
     RELIEF_TRY(const Input input, open_input(path));
     return read_to_end(input, path, max_bytes);
 }
 
 Result<std::shared_ptr<const ByteSource>> open_source(const std::string& path) {
+    if (detail::is_virtual_path(path)) return detail::open_virtual_source(path);
     RELIEF_TRY(Input input, open_input(path));
     // Files that only pretend to be empty, as those of /proc do, are read like pipes.
     if (S_ISREG(input.status.st_mode) && input.status.st_size > 0)
@@ -254,17 +264,24 @@ Status StagedOutput::commit() {
 OutputFile::OutputFile(std::string path, int descriptor, std::optional<StagedOutput> staged)
     : path_(std::move(path)), descriptor_(descriptor), staged_(std::move(staged)) {}
 
+OutputFile::OutputFile(std::unique_ptr<detail::VirtualOutput> file) : virtual_(std::move(file)) {}
+
 OutputFile::OutputFile(OutputFile&& other) noexcept
     : ByteSink(),
       path_(std::move(other.path_)),
       descriptor_(std::exchange(other.descriptor_, -1)),
-      staged_(std::move(other.staged_)) {}
+      staged_(std::move(other.staged_)),
+      virtual_(std::move(other.virtual_)) {}
 
 OutputFile::~OutputFile() {
     if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 Result<OutputFile> OutputFile::create(const std::string& path) {
+    if (detail::is_virtual_path(path)) {
+        RELIEF_TRY(auto file, detail::VirtualOutput::create(path));
+        return OutputFile(std::move(file));
+    }
     std::optional<StagedOutput> staged;
     if (!is_stream(path)) {
         RELIEF_TRY(StagedOutput stage, StagedOutput::beside(path));
@@ -278,6 +295,7 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
 }
 
 Status OutputFile::write(std::span<const std::uint8_t> bytes) {
+    if (virtual_) return virtual_->write(bytes);
     while (!bytes.empty()) {
         const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
         if (written < 0 && errno != EINTR) return cannot_write(path_, errno);
@@ -287,6 +305,7 @@ Status OutputFile::write(std::span<const std::uint8_t> bytes) {
 }
 
 Status OutputFile::commit() {
+    if (virtual_) return virtual_->commit();
     RELIEF_CHECK(sync(descriptor_, path_));
     if (::close(std::exchange(descriptor_, -1)) != 0) return cannot_write(path_, errno);
     return staged_ ? staged_->commit() : Status();

@@ -4,10 +4,43 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <mutex>
 #include <set>
 
-namespace relief::io::detail {
+namespace relief::io {
+
+namespace {
+
+std::atomic<bool> g_left_alone{false};
+
+}  // namespace
+
+void leave_gdal_to_its_program() {
+    g_left_alone = true;
+}
+
+GDALDataType gdal_type(SampleType type) {
+    switch (type) {
+        case SampleType::UInt8:
+            return GDT_Byte;
+        case SampleType::UInt16:
+            return GDT_UInt16;
+        case SampleType::Int16:
+            return GDT_Int16;
+        case SampleType::UInt32:
+            return GDT_UInt32;
+        case SampleType::Int32:
+            return GDT_Int32;
+        case SampleType::Float32:
+            return GDT_Float32;
+        case SampleType::Float64:
+            return GDT_Float64;
+    }
+    return GDT_Unknown;
+}
+
+namespace detail {
 
 namespace {
 
@@ -21,6 +54,7 @@ struct CacheDemand {
     std::multiset<std::int64_t> wants;
 
     void apply() const {
+        if (g_left_alone) return;
         GDALSetCacheMax64(wants.empty() ? least : std::max(least, *wants.rbegin()));
     }
 };
@@ -44,7 +78,7 @@ void prepare_gdal() {
 GdalScope::GdalScope() {
     CPLPushErrorHandlerEx(&GdalScope::collect, this);
     static std::once_flag prepared;
-    std::call_once(prepared, prepare_gdal);
+    if (!g_left_alone) std::call_once(prepared, prepare_gdal);
 }
 
 GdalScope::~GdalScope() {
@@ -78,26 +112,6 @@ CacheRoom::~CacheRoom() {
     demand.apply();
 }
 
-GDALDataType gdal_type(SampleType type) {
-    switch (type) {
-        case SampleType::UInt8:
-            return GDT_Byte;
-        case SampleType::UInt16:
-            return GDT_UInt16;
-        case SampleType::Int16:
-            return GDT_Int16;
-        case SampleType::UInt32:
-            return GDT_UInt32;
-        case SampleType::Int32:
-            return GDT_Int32;
-        case SampleType::Float32:
-            return GDT_Float32;
-        case SampleType::Float64:
-            return GDT_Float64;
-    }
-    return GDT_Unknown;
-}
-
 bool is_virtual_path(const std::string& path) {
     return path.starts_with("/vsi");
 }
@@ -107,4 +121,6 @@ int CPL_STDCALL report_progress(double fraction, const char* /*message*/, void* 
     return !report || report(fraction) ? TRUE : FALSE;
 }
 
-}  // namespace relief::io::detail
+}  // namespace detail
+
+}  // namespace relief::io

@@ -1,20 +1,19 @@
 #pragma once
 
 #include <cpl_error.h>
-#include <gdal.h>
 
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <type_traits>
 
-#include "relief/io/raster.h"
+#include "relief/io/gdal.h"
 
 /// What the raster reader and writer share: GDAL's life time, messages, handles and types.
 namespace relief::io::detail {
 
-/// Registers GDAL's drivers and bounds its block cache, once. While it lives, GDAL's messages of
-/// this thread are kept here, not printed.
+/// Registers GDAL's drivers and bounds its block cache, once, unless GDAL was left to its program
+/// (relief/io/gdal.h). While it lives, GDAL's messages of this thread are kept here, not printed.
 class GdalScope {
   public:
     GdalScope();
@@ -39,7 +38,7 @@ struct CloseDataset {
 using Dataset = std::unique_ptr<std::remove_pointer_t<GDALDatasetH>, CloseDataset>;
 
 /// Room for `bytes`, at most 1 GiB, in GDAL's block cache while it lives. Without it the cache has
-/// 64 MiB, or more if the user's GDAL_CACHEMAX says so.
+/// 64 MiB, or more if the user's GDAL_CACHEMAX says so. Nothing if GDAL was left to its program.
 class CacheRoom {
   public:
     explicit CacheRoom(double bytes);
@@ -50,8 +49,6 @@ class CacheRoom {
   private:
     std::int64_t bytes_;
 };
-
-[[nodiscard]] GDALDataType gdal_type(SampleType type);
 
 /// Whether `path` names something that only GDAL's virtual file systems know.
 [[nodiscard]] bool is_virtual_path(const std::string& path);

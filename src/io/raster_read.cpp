@@ -242,7 +242,8 @@ bool finish_row(const std::vector<Band>& bands, std::int64_t row, Raster& raster
 
 struct RasterReader::File {
     std::string path;
-    Dataset dataset;
+    Dataset owned;  ///< null: somebody else's
+    GDALDatasetH dataset = nullptr;
     std::vector<Band> bands;
     Raster description;
     std::int64_t step = 1;  ///< rows read at a time: whole blocks, about a million samples
@@ -251,7 +252,7 @@ struct RasterReader::File {
 
     ~File() {
         const GdalScope quiet;
-        dataset.reset();
+        owned.reset();
     }
 
     [[nodiscard]] Status check(const LatticeBox& window) const;
@@ -322,21 +323,34 @@ RasterReader::RasterReader(RasterReader&& other) noexcept
     : RasterSource(), file_(std::move(other.file_)) {}
 RasterReader::~RasterReader() = default;
 
-Result<RasterReader> RasterReader::open(const std::string& path) {
-    const GdalScope gdal;
-    auto file = std::make_unique<File>();
-    file->path = path;
-    RELIEF_TRY(file->dataset, open_dataset(path, gdal));
-    RELIEF_TRY(file->bands, select_bands(file->dataset.get(), path));
-    file->description = describe(file->dataset.get(), file->bands);
+Result<RasterReader> RasterReader::create(std::unique_ptr<File> file) {
+    RELIEF_TRY(file->bands, select_bands(file->dataset, file->path));
+    file->description = describe(file->dataset, file->bands);
     const std::int64_t cols = file->description.cols;
     if (file->description.rows < 1 || cols < 1)
-        return Error{ErrorCode::BadInput, "has no samples", path};
+        return Error{ErrorCode::BadInput, "has no samples", file->path};
     const std::int64_t block_rows = file->bands.front().block_rows;
     file->step =
         std::max<std::int64_t>(1, (std::int64_t{1} << 20) / cols / block_rows) * block_rows;
     file->room.emplace(bytes_of_block_row(file->bands, cols));
     return RasterReader(std::move(file));
+}
+
+Result<RasterReader> RasterReader::open(const std::string& path) {
+    const GdalScope gdal;
+    auto file = std::make_unique<File>();
+    file->path = path;
+    RELIEF_TRY(file->owned, open_dataset(path, gdal));
+    file->dataset = file->owned.get();
+    return create(std::move(file));
+}
+
+Result<RasterReader> reader_of(GDALDatasetH dataset) {
+    const GdalScope gdal;
+    auto file = std::make_unique<RasterReader::File>();
+    file->path = GDALGetDescription(dataset);
+    file->dataset = dataset;
+    return RasterReader::create(std::move(file));
 }
 
 const Raster& RasterReader::description() const {

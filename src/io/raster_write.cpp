@@ -39,8 +39,7 @@ Result<SampleType> choose_type(const Raster& raster, GDALDriverH driver, const s
     const char* names = GDALGetMetadataItem(driver, GDAL_DMD_CREATIONDATATYPES, nullptr);
     const CPLStringList list(CSLTokenizeString(names ? names : ""));
     const auto written = [&](SampleType type) {
-        return list.Count() == 0 ||
-               list.FindString(GDALGetDataTypeName(detail::gdal_type(type))) >= 0;
+        return list.Count() == 0 || list.FindString(GDALGetDataTypeName(gdal_type(type))) >= 0;
     };
     if (written(raster.type)) return raster.type;
     for (const SampleType type :
@@ -120,8 +119,7 @@ Result<Dataset> in_memory(const Raster& raster, SampleType type, const HoleCode&
                           const GdalScope& gdal, const std::string& path) {
     Dataset dataset(GDALCreate(GDALGetDriverByName("MEM"), "", static_cast<int>(raster.cols),
                                static_cast<int>(raster.rows),
-                               static_cast<int>(raster.planes.size()), detail::gdal_type(type),
-                               nullptr));
+                               static_cast<int>(raster.planes.size()), gdal_type(type), nullptr));
     if (dataset && detail::describe(dataset.get(), raster, raster.planes.size(), code) &&
         detail::BlockWriter(dataset.get(), type, code).write(raster, 0, raster.rows))
         return dataset;

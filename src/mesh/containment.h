@@ -6,7 +6,7 @@ namespace relief::mesh {
 
 /// Whether the barycentric coordinates of p, which is relative to the mesh's origin, are at least
 /// -1e-12. Both triangles of an edge look at the same number, so no point falls between them.
-inline bool contains(const Triangulation& mesh, Index t, Vec2 p) {
+inline bool contains(const PlaneTriangles& mesh, Index t, Vec2 p) {
     constexpr double kOutside = -1e-12;
     const auto& v = mesh.triangles[t];
     const TriangleCorners c = mesh.corners(t);

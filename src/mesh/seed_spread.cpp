@@ -6,8 +6,6 @@ namespace relief::mesh {
 
 namespace {
 
-/// One bit a way: the lower ones of their labels.
-constexpr PackedLabels kLowBits = 0x55;
 /// Faces of the queue that are fetched ahead.
 constexpr std::size_t kAhead = 8;
 

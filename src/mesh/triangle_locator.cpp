@@ -7,7 +7,6 @@
 #include "mesh/box_tree.h"
 #include "mesh/containment.h"
 #include "mesh/nearest_edge.h"
-#include "relief/core/buffer.h"
 #include "relief/core/parallel.h"
 
 namespace relief::mesh {
@@ -62,7 +61,7 @@ Cells cells_over(const Box& box, double count) {
     return cells;
 }
 
-Cells cells_of(const Triangulation& mesh) {
+Cells cells_of(const PlaneTriangles& mesh) {
     Box box;
     for (Index v = 0; v < mesh.vertex_count(); ++v) box.include(mesh.vertex(v));
     for (double count = 0.5 * mesh.triangle_count();; count /= 4) {
@@ -101,7 +100,7 @@ void each_cell(const Cells& cells, const TriangleCorners& corners, Visit&& visit
 }  // namespace
 
 struct TriangleLocator::Data {
-    const Triangulation& mesh;
+    const PlaneTriangles& mesh;
     Cells cells;
     std::vector<Index> first;  ///< the triangles of cell c, ascending, are items[first[c]] ..
     std::vector<Index> items;  ///< .. items[first[c + 1] - 1]; only kNone: the tree knows them
@@ -110,14 +109,16 @@ struct TriangleLocator::Data {
     std::vector<Index> boundary_triangles;
     EdgeTree boundary;
 
-    explicit Data(const Triangulation& of) : mesh(of), cells(cells_of(of)) {
+    Data(const PlaneTriangles& of, std::span<const TriangleSide> sides)
+        : mesh(of), cells(cells_of(of)) {
         fill_cells();
         std::vector<EdgeTree::Segment> segments;
-        for (Index e = 0; e < mesh.edge_count(); ++e) {
-            if (!mesh.on_boundary(e)) continue;
-            const auto [left, right] = mesh.edge_triangles[e];
-            boundary_triangles.push_back(left == kNone ? right : left);
-            segments.push_back({mesh.vertex(mesh.edges[e][0]), mesh.edge_vector(e)});
+        for (const auto& [triangle, side] : sides) {
+            const auto& corner = mesh.triangles[triangle];
+            // From the lower vertex, so that the same edge gives the same bits on both its sides.
+            const auto [a, b] = std::minmax(corner[side], corner[side == 2 ? 0 : side + 1]);
+            boundary_triangles.push_back(triangle);
+            segments.push_back({mesh.vertex(a), mesh.vertex(b) - mesh.vertex(a)});
         }
         boundary = EdgeTree(std::move(segments));
     }
@@ -183,8 +184,9 @@ struct TriangleLocator::Data {
     }
 };
 
-TriangleLocator::TriangleLocator(const Triangulation& mesh)
-    : data_(std::make_unique<const Data>(mesh)) {}
+TriangleLocator::TriangleLocator(const PlaneTriangles& triangles,
+                                 std::span<const TriangleSide> boundary)
+    : data_(std::make_unique<const Data>(triangles, boundary)) {}
 TriangleLocator::TriangleLocator(TriangleLocator&&) noexcept = default;
 TriangleLocator& TriangleLocator::operator=(TriangleLocator&&) noexcept = default;
 TriangleLocator::~TriangleLocator() = default;
@@ -194,17 +196,21 @@ Index TriangleLocator::locate(Vec2 point) const {
 }
 
 void TriangleLocator::locate(std::span<const Vec2> points, std::span<Index> triangles) const {
-    // Sorting costs a look at every cell.
-    const bool many = points.size() >= data_->cells.count() / 8;
-    const Buffer<Index> order = many ? data_->sorted_by_cell(points) : Buffer<Index>();
+    const Buffer<Index> order = visiting_order(points);
     parallel_for(0, static_cast<std::int64_t>(points.size()), kGrain,
                  [&](std::int64_t begin, std::int64_t end) {
                      for (auto k = static_cast<std::size_t>(begin);
                           k < static_cast<std::size_t>(end); ++k) {
-                         const std::size_t query = many ? order[k] : k;
+                         const std::size_t query = order.size() > 0 ? order[k] : k;
                          triangles[query] = locate(points[query]);
                      }
                  });
+}
+
+Buffer<Index> TriangleLocator::visiting_order(std::span<const Vec2> points) const {
+    // Sorting costs a look at every cell.
+    const bool many = points.size() >= data_->cells.count() / 8;
+    return many ? data_->sorted_by_cell(points) : Buffer<Index>();
 }
 
 TrianglePlace TriangleLocator::nearest(Vec2 point) const {

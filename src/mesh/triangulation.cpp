@@ -208,9 +208,22 @@ Result<Triangulation> build(std::span<const Vec2> vertices, Triangles triangles,
 
 Triangulation connect(Vec2 origin, std::vector<double> x, std::vector<double> y,
                       std::vector<std::array<Index, 3>> triangles) {
-    Triangulation mesh{origin, std::move(x), std::move(y), std::move(triangles), {}, {}, {}};
+    Triangulation mesh{{origin, std::move(x), std::move(y), std::move(triangles)}, {}, {}, {}};
     number_edges(mesh, sort_sides(mesh.triangles, mesh.vertex_count()));
     return mesh;
+}
+
+std::vector<TriangleSide> boundary_sides(const Triangulation& mesh) {
+    std::vector<TriangleSide> sides;
+    for (Index e = 0; e < mesh.edge_count(); ++e) {
+        if (!mesh.on_boundary(e)) continue;
+        const auto [left, right] = mesh.edge_triangles[e];
+        const Index t = left == kNone ? right : left;
+        const auto& around = mesh.triangle_edges[t];
+        const auto side = std::find(around.begin(), around.end(), e) - around.begin();
+        sides.push_back({t, static_cast<Index>(side)});
+    }
+    return sides;
 }
 
 Result<CompactTriangles> compact(std::span<const Vec2> vertices, Triangles triangles) {

@@ -1,6 +1,7 @@
 #include "relief/multires/ps_adaptive.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -22,6 +23,7 @@ constexpr double kPeel = 1e-2;
 constexpr double kShareOfWorst = 0.3;
 constexpr int kMostRounds = 200;
 constexpr double kLargest = 1e150;
+constexpr std::size_t kMostComponents = 3;
 constexpr std::size_t kNoLimit = static_cast<std::size_t>(-1);
 
 bool usable(double number) {
@@ -38,10 +40,24 @@ Error not_usable(std::size_t point) {
 /// Points at one place.
 struct Place {
     Vec2 at;
-    double value = 0;  ///< in the middle of theirs
-    double half_range = 0;
-    std::size_t first = 0;  ///< those of the least and the greatest value
+    /// Of each component: in the middle of theirs, and from there to the least and the greatest.
+    std::array<double, kMostComponents> value{};
+    std::array<double, kMostComponents> half_range{};
+    std::size_t first = 0;  ///< those farthest apart in one component
     std::size_t last = 0;
+
+    /// Makes some points, the first of which has been taken in, one place.
+    void add(std::span<const std::size_t> points, const std::vector<double>& values,
+             std::size_t component) {
+        const auto less = [&](std::size_t a, std::size_t b) { return values[a] < values[b]; };
+        const auto [low, high] = std::minmax_element(points.begin(), points.end(), less);
+        value[component] = 0.5 * values[*low] + 0.5 * values[*high];
+        half_range[component] = 0.5 * values[*high] - 0.5 * values[*low];
+        const double widest = *std::max_element(half_range.begin(), half_range.end());
+        if (component > 0 && half_range[component] < widest) return;
+        first = std::min(*low, *high);
+        last = std::max(*low, *high);
+    }
 };
 
 /// In the order of x, then y.
@@ -52,17 +68,18 @@ std::vector<Place> places_of(const ScatteredData& data) {
         const Vec2 p = data.points[a];
         const Vec2 q = data.points[b];
         if (p.x != q.x) return p.x < q.x;
-        if (p.y != q.y) return p.y < q.y;
-        return data.values[a] != data.values[b] ? data.values[a] < data.values[b] : a < b;
+        return p.y != q.y ? p.y < q.y : a < b;
     });
     std::vector<Place> places;
     for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
         const Vec2 at = data.points[order[begin]];
         while (end < order.size() && data.points[order[end]] == at) ++end;
-        const std::size_t low = order[begin];
-        const std::size_t high = order[end - 1];
-        places.push_back({at, 0.5 * data.values[low] + 0.5 * data.values[high],
-                          0.5 * data.values[high] - 0.5 * data.values[low], low, high});
+        Place place;
+        place.at = at;
+        const std::span points(order.data() + begin, end - begin);
+        for (std::size_t m = 0; m < data.components.size(); ++m)
+            place.add(points, data.components[m], m);
+        places.push_back(place);
     }
     return places;
 }
@@ -214,8 +231,10 @@ class Refiner {
         RELIEF_TRY(
             const LeastSquares squares,
             LeastSquares::create(space, {moved_, triangles_, data_.weights}, options_.energy));
-        RELIEF_TRY(FittedSpline fitted, squares.fit(data_.values, options_.smoothing));
-        surface.spline = std::move(fitted.spline);
+        const std::vector<std::span<const double>> values(data_.components.begin(),
+                                                          data_.components.end());
+        RELIEF_TRY(FittedSplines fitted, squares.fit(values, options_.smoothing));
+        surface.components = std::move(fitted.components);
         surface.report.smoothing = options_.smoothing;
         correct(surface, delaunay.vertex_of_point, place_of_point);
         measure(surface, squares);
@@ -241,39 +260,65 @@ class Refiner {
         for (std::size_t k = 0; k < place_of_point.size(); ++k) {
             const Index v = vertex_of_point[k];
             const Place& place = places_[place_of_point[k]];
-            const double off =
-                place.value - tangent_plane(surface.space.control[v], surface.spline[v]).value;
-            if (std::abs(off) + place.half_range <= options_.max_error) continue;
-            for (double& height : surface.spline[v]) height += off;
+            for (std::size_t m = 0; m < surface.components.size(); ++m) {
+                Heights& heights = surface.components[m][v];
+                const double off =
+                    place.value[m] - tangent_plane(surface.space.control[v], heights).value;
+                if (std::abs(off) + place.half_range[m] <= options_.max_error) continue;
+                for (double& height : heights) height += off;
+            }
         }
     }
 
     void measure(AdaptiveSurface& surface, const LeastSquares& squares) {
+        off_.assign(data_.points.size(), 0);
         std::vector<double> at(data_.points.size());
-        squares.evaluate(surface.spline, at);
+        std::vector<Violator> of_place(places_.size(), Violator{0, 0, -1});
+        double squared = 0;
+        for (std::size_t m = 0; m < surface.components.size(); ++m) {
+            squares.evaluate(surface.components[m], at);
+            for (std::size_t k = 0; k < at.size(); ++k) {
+                const double off = std::abs(at[k] - data_.components[m][k]);
+                squared += weight(k) * off * off;
+                off_[k] = std::max(off_[k], off);
+            }
+            find_violators(m, at, of_place);
+        }
+        report_errors(surface, squared);
         violators_.clear();
         worst_ = 0;
-        FitReport& report = surface.report;
-        double weights = 0;
-        for (std::size_t k = 0; k < at.size(); ++k) {
-            const double off = std::abs(at[k] - data_.values[k]);
-            const double weight = data_.weights.empty() ? 1 : data_.weights[k];
-            report.rms_error += weight * off * off;
-            weights += weight;
-            surface.beyond += off > options_.max_error;
-            if (off > report.max_error) {
-                report.max_error = off;
-                report.worst = k;
-            }
+        for (std::size_t p = 0; p < places_.size(); ++p) {
+            if (of_place[p].off < 0) continue;
+            violators_.push_back(of_place[p]);
+            if (chosen_[p] == 0) worst_ = std::max(worst_, of_place[p].off);
         }
-        report.rms_error = std::sqrt(report.rms_error / weights);
+    }
+
+    [[nodiscard]] double weight(std::size_t point) const {
+        return data_.weights.empty() ? 1 : data_.weights[point];
+    }
+
+    void find_violators(std::size_t component, std::span<const double> at,
+                        std::vector<Violator>& of_place) const {
         for (std::size_t p = 0; p < places_.size(); ++p) {
             const std::size_t k = places_[p].first;
-            const double off = std::abs(at[k] - data_.values[k] - places_[p].half_range);
-            if (off + places_[p].half_range <= options_.max_error) continue;
-            violators_.push_back({p, triangles_[k], off});
-            if (chosen_[p] == 0) worst_ = std::max(worst_, off);
+            const double off = std::abs(at[k] - places_[p].value[component]);
+            if (off + places_[p].half_range[component] <= options_.max_error) continue;
+            of_place[p] = {p, triangles_[k], std::max(of_place[p].off, off)};
         }
+    }
+
+    void report_errors(AdaptiveSurface& surface, double squared) const {
+        FitReport& report = surface.report;
+        double weights = 0;
+        for (std::size_t k = 0; k < off_.size(); ++k) {
+            weights += weight(k);
+            surface.beyond += off_[k] > options_.max_error;
+            if (off_[k] <= report.max_error) continue;
+            report.max_error = off_[k];
+            report.worst = k;
+        }
+        report.rms_error = std::sqrt(squared / weights);
     }
 
     /// The worst place of each triangle, if it is bad enough, becomes a vertex.
@@ -299,7 +344,8 @@ class Refiner {
     void tell(AdaptiveSurface& surface) const {
         if (surface.beyond == 0) return;
         for (const Place& place : places_)
-            if (place.half_range > options_.max_error) {
+            if (*std::max_element(place.half_range.begin(), place.half_range.end()) >
+                options_.max_error) {
                 surface.reason = "points " + std::to_string(place.first) + " and " +
                                  std::to_string(place.last) +
                                  " lie at the same place and their values are farther apart than "
@@ -318,6 +364,7 @@ class Refiner {
     std::vector<std::uint8_t> chosen_;  ///< of each place: whether it is a vertex
     std::vector<Vec2> moved_;           ///< the points, inside the domain
     std::vector<Index> triangles_;      ///< of each point
+    std::vector<double> off_;           ///< of each point, in its worst component
     std::vector<Violator> violators_;
     double worst_ = 0;  ///< of the places that are not vertices yet
 };
@@ -329,14 +376,20 @@ Status check(const ScatteredData& data, const AdaptiveOptions& options) {
     if (!(options.smoothing > 0) || std::isinf(options.smoothing))
         return Error{ErrorCode::InvalidArgument, "invalid_parameter: smoothing is a number above 0",
                      "smoothing"};
-    if (data.values.size() != data.points.size())
-        return Error{ErrorCode::BadInput,
-                     "size_mismatch: " + std::to_string(data.values.size()) + " values for " +
-                         std::to_string(data.points.size()) + " points",
-                     "points"};
-    for (std::size_t k = 0; k < data.points.size(); ++k)
-        if (!usable(data.points[k].x) || !usable(data.points[k].y) || !usable(data.values[k]))
-            return not_usable(k);
+    if (data.components.empty() || data.components.size() > kMostComponents)
+        return Error{ErrorCode::InvalidArgument,
+                     "component_count: points have one to three values each", "points"};
+    for (const std::vector<double>& values : data.components)
+        if (values.size() != data.points.size())
+            return Error{ErrorCode::BadInput,
+                         "size_mismatch: " + std::to_string(values.size()) + " values for " +
+                             std::to_string(data.points.size()) + " points",
+                         "points"};
+    for (std::size_t k = 0; k < data.points.size(); ++k) {
+        bool good = usable(data.points[k].x) && usable(data.points[k].y);
+        for (const std::vector<double>& values : data.components) good = good && usable(values[k]);
+        if (!good) return not_usable(k);
+    }
     return {};
 }
 
@@ -345,8 +398,7 @@ Status check(const ScatteredData& data, const AdaptiveOptions& options) {
 Result<mesh::Triangulation> spread_triangulation(std::span<const Vec2> points, std::size_t count) {
     for (std::size_t k = 0; k < points.size(); ++k)
         if (!usable(points[k].x) || !usable(points[k].y)) return not_usable(k);
-    const std::vector<double> no_values(points.size());
-    const std::vector<Place> places = places_of({points, no_values, {}});
+    const std::vector<Place> places = places_of({points, {}, {}});
     std::vector<std::uint8_t> chosen(places.size(), 0);
     add_hull(places, chosen);
     const std::size_t hull = count_of(chosen);

@@ -27,16 +27,20 @@ void for_each_index(std::size_t count, Fn&& fn) {
                  });
 }
 
+/// Sets `least` to the number if that is smaller.
+inline void lower(std::atomic<std::size_t>& least, std::size_t number) {
+    std::size_t known = least;
+    while (number < known && !least.compare_exchange_weak(known, number)) {
+    }
+}
+
 /// Calls good(k) for k below count from several threads; the first k for which it is false, or
 /// count.
 template <class Fn>
 [[nodiscard]] std::size_t first_failure(std::size_t count, Fn&& good) {
     std::atomic<std::size_t> first = count;
     for_each_index(count, [&](mesh::Index k) {
-        if (good(k)) return;
-        std::size_t known = first;
-        while (k < known && !first.compare_exchange_weak(known, k)) {
-        }
+        if (!good(k)) lower(first, k);
     });
     return first;
 }

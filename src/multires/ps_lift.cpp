@@ -93,10 +93,10 @@ Result<Coefficients> update_of(const Space& coarse, const Refinement& step,
 }
 
 Status check_details(const Space& coarse, const Refinement& step, const Lifted& lifted) {
-    RELIEF_CHECK(check(coarse, lifted.coarse));
+    RELIEF_CHECK(check(coarse.mesh, lifted.coarse));
     Coefficients all = lifted.coarse;
     all.insert(all.end(), lifted.details.begin(), lifted.details.end());
-    return check(step.fine, all);
+    return check(step.fine.mesh, all);
 }
 
 }  // namespace
@@ -115,7 +115,7 @@ Result<Hierarchy> Hierarchy::create(Space base, int levels, const RefineOptions&
 
 Result<Lifted> analyse(const Space& coarse, const Refinement& step, std::span<const Heights> fine,
                        Update update) {
-    RELIEF_CHECK(check(step.fine, fine));
+    RELIEF_CHECK(check(step.fine.mesh, fine));
     const Index n = coarse.mesh.vertex_count();
     Lifted lifted;
     lifted.coarse.resize(n);

@@ -151,8 +151,8 @@ class Painter {
           out_(out),
           component_(component),
           flip_(frame.step.y < 0),
-          x_(frame.first.x - surface.space().mesh.origin.x, frame.step.x, out.cols),
-          y_(frame.first.y - surface.space().mesh.origin.y +
+          x_(frame.first.x - surface.triangles().origin.x, frame.step.x, out.cols),
+          y_(frame.first.y - surface.triangles().origin.y +
                  (flip_ ? static_cast<double>(out.rows - 1) * frame.step.y : 0),
              std::abs(frame.step.y), out.rows) {}
 
@@ -189,7 +189,7 @@ class Painter {
 
     /// The triangles that reach into each band of rows, ascending.
     void list_triangles() {
-        const mesh::Triangulation& mesh = surface_.space().mesh;
+        const mesh::PlaneTriangles& mesh = surface_.triangles();
         rows_.resize(mesh.triangles.size());
         for_each_index(rows_.size(), [&](Index t) { rows_[t] = rows_of(mesh.corners(t)); });
         begin_.assign(static_cast<std::size_t>((out_.rows + kBandRows - 1) / kBandRows + 1), 0);
@@ -210,7 +210,7 @@ class Painter {
 
     void paint_triangle(Index t, Range band) const {
         const Range rows{std::max(rows_[t].first, band.first), std::min(rows_[t].last, band.last)};
-        const Cutter cutter(surface_.space().mesh.corners(t));
+        const Cutter cutter(surface_.triangles().corners(t));
         const double* numbers = surface_.numbers(t);
         const block::PieceFinder finder(numbers);
         std::optional<PieceCutter> pieces;
@@ -296,7 +296,7 @@ Status check_frame(const RasterFrame& frame, Vec2 origin, GridView<double> out) 
 
 Status evaluate_raster(const Surface& surface, const RasterFrame& frame, GridView<double> out,
                        int component, Outside outside, const mesh::TriangleLocator* locator) {
-    RELIEF_CHECK(check_frame(frame, surface.space().mesh.origin, out));
+    RELIEF_CHECK(check_frame(frame, surface.triangles().origin, out));
     if (component < 0 || component >= surface.components())
         return Error{ErrorCode::InvalidArgument,
                      "component_count: the surface has no such component",
@@ -313,7 +313,7 @@ Status evaluate_raster(const Surface& surface, const RasterFrame& frame, GridVie
             double& sample = out(row, col);
             if (!std::isnan(sample)) continue;
             if (outside == Outside::Reject) return false;
-            const Vec2 point = painter.point(row, col) + surface.space().mesh.origin;
+            const Vec2 point = painter.point(row, col) + surface.triangles().origin;
             const mesh::TrianglePlace place = locator->nearest(point);
             sample = surface.jet(place.triangle, place.point, component).value;
         }

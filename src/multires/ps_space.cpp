@@ -27,10 +27,10 @@ bool usable(const TangentPlane& plane) {
 }
 
 template <class T>
-Status check_elements(const Space& space, std::span<const T> spline) {
-    if (spline.size() != space.mesh.vertex_count())
+Status check_elements(const mesh::PlaneTriangles& mesh, std::span<const T> spline) {
+    if (spline.size() != mesh.vertex_count())
         return bad_input("size_mismatch: a spline of this space has coefficients for " +
-                         std::to_string(space.mesh.vertex_count()) + " vertices, not for " +
+                         std::to_string(mesh.vertex_count()) + " vertices, not for " +
                          std::to_string(spline.size()));
     const std::size_t bad =
         first_failure(spline.size(), [&](Index v) { return usable(spline[v]); });
@@ -118,11 +118,11 @@ Result<Space> make_space(Triangulation mesh, const SplitOptions& options) {
     return Space{std::move(mesh), std::move(cut), std::move(control)};
 }
 
-Status check(const Space& space, std::span<const Heights> spline) {
-    return check_elements(space, spline);
+Status check(const mesh::PlaneTriangles& mesh, std::span<const Heights> spline) {
+    return check_elements(mesh, spline);
 }
-Status check(const Space& space, std::span<const TangentPlane> planes) {
-    return check_elements(space, planes);
+Status check(const mesh::PlaneTriangles& mesh, std::span<const TangentPlane> planes) {
+    return check_elements(mesh, planes);
 }
 
 double enclosure_excess(const Space& space) {

@@ -16,8 +16,7 @@ using spline::PsPolynomials;
 
 namespace {
 
-constexpr std::size_t kLine = 8;
-
+constexpr std::size_t kLine = 8;  ///< numbers of a line of cache
 constexpr double kParallel = 1e-14;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
@@ -28,23 +27,34 @@ std::size_t stride_of(std::size_t components) {
 
 }  // namespace
 
-Surface::Surface(const Space& space, int components)
-    : space_(&space),
+Surface::Surface(const mesh::PlaneTriangles& triangles, int components)
+    : triangles_(&triangles),
       components_(components),
       stride_(stride_of(static_cast<std::size_t>(components))),
-      blocks_(space.mesh.triangles.size() * stride_) {}
+      blocks_(triangles.triangles.size() * stride_) {}
 
 Result<Surface> Surface::create(const Space& space, std::span<const Coefficients> components) {
-    if (components.empty() || components.size() > 3)
-        return Error{ErrorCode::InvalidArgument, "component_count: pass one to three splines", ""};
     std::vector<TangentPlanes> planes;
     for (const Coefficients& component : components) {
-        RELIEF_CHECK(check(space, component));
+        RELIEF_CHECK(check(space.mesh, component));
         planes.push_back(tangent_planes(space, component));
     }
-    Surface surface(space, static_cast<int>(components.size()));
-    for_each_index(space.mesh.triangles.size(), [&](Index t) {
-        const spline::PsElement element = space.element(t);
+    return made(space.mesh, space.split, planes);
+}
+
+Result<Surface> Surface::create(const mesh::Triangulation& mesh, const Split& split,
+                                std::span<const TangentPlanes> components) {
+    for (const TangentPlanes& component : components) RELIEF_CHECK(check(mesh, component));
+    return made(mesh, split, components);
+}
+
+Result<Surface> Surface::made(const mesh::Triangulation& mesh, const Split& split,
+                              std::span<const TangentPlanes> components) {
+    if (components.empty() || components.size() > 3)
+        return Error{ErrorCode::InvalidArgument, "component_count: pass one to three splines", ""};
+    Surface surface(mesh, static_cast<int>(components.size()));
+    for_each_index(mesh.triangles.size(), [&](Index t) {
+        const spline::PsElement element = ps::element(mesh, split, t);
         double* out = surface.blocks_.data() + std::size_t{t} * surface.stride_;
         const auto put = [&out](std::initializer_list<double> numbers) {
             out = std::copy(numbers.begin(), numbers.end(), out);
@@ -52,8 +62,8 @@ Result<Surface> Surface::create(const Space& space, std::span<const Coefficients
         for (int k = 0; k < 3; ++k) put({element.corner(k).x, element.corner(k).y});
         put({element.centre().x, element.centre().y});
         put({element.weights()[0], element.weights()[1], element.weights()[2]});
-        for (const TangentPlanes& component : planes) {
-            const auto& v = space.mesh.triangles[t];
+        for (const TangentPlanes& component : components) {
+            const auto& v = mesh.triangles[t];
             const PsPolynomials spline =
                 element.polynomials(std::array{component[v[0]], component[v[1]], component[v[2]]});
             put({spline.value, spline.gradient.x, spline.gradient.y});
@@ -78,30 +88,69 @@ void Surface::jets(Index triangle, Vec2 point, PlaneJet* out) const {
         out[m] = quadratic_jet(block::centre_jet(known, piece, m), d);
 }
 
+namespace {
+
+/// So many points ahead, a point and the place of its jets are fetched: in the order of visits both
+/// lie anywhere.
+constexpr std::size_t kAhead = 16;
+
+struct Visits {
+    const Surface& surface;
+    const mesh::TriangleLocator& locator;
+    std::span<const Vec2> points;
+    std::span<PlaneJet> out;
+    Outside outside;
+    Buffer<Index> order;
+
+    /// The number of the k-th point; those to come are fetched. (A function that does only that
+    /// would count as one without effect, and go.)
+    [[nodiscard]] std::size_t number(std::size_t k) const {
+        if (order.size() == 0) return k;
+        const auto components = static_cast<std::size_t>(surface.components());
+        const std::size_t soon = order[std::min(k + kAhead, order.size() - 1)];
+        const PlaneJet* jets = out.data() + soon * components;
+        __builtin_prefetch(&points[soon]);
+        __builtin_prefetch(jets, 1);
+        // The last byte: jets may straddle two lines.
+        __builtin_prefetch(reinterpret_cast<const char*>(jets + components) - 1, 1);
+        return order[k];
+    }
+
+    /// Whether a point is as `outside` allows.
+    [[nodiscard]] bool visit(std::size_t k) const {
+        const auto components = static_cast<std::size_t>(surface.components());
+        PlaneJet* jets = out.data() + k * components;
+        const Vec2 point = points[k];
+        mesh::TrianglePlace place{locator.locate(point), point - surface.triangles().origin};
+        if (place.triangle == mesh::kNone && outside == Outside::Nearest) {
+            if (!std::isfinite(point.x) || !std::isfinite(point.y)) return false;
+            place = locator.nearest(point);
+        }
+        if (place.triangle == mesh::kNone) {
+            std::fill_n(jets, components, PlaneJet{kNan, {kNan, kNan}, kNan, kNan, kNan});
+            return outside == Outside::Nan;
+        }
+        surface.jets(place.triangle, place.point, jets);
+        return true;
+    }
+};
+
+}  // namespace
+
 Status evaluate(const Surface& surface, const mesh::TriangleLocator& locator,
                 std::span<const Vec2> points, std::span<PlaneJet> out, Outside outside) {
-    const auto components = static_cast<std::size_t>(surface.components());
-    if (out.size() != points.size() * components ||
+    if (out.size() != points.size() * static_cast<std::size_t>(surface.components()) ||
         points.size() > std::numeric_limits<Index>::max())
         return bad_input(
             "size_mismatch: every point needs a place for each component, and there may be at most "
             "2^32 - 1 points");
-    std::vector<Index> triangles(points.size());
-    locator.locate(points, triangles);
-    const Vec2 origin = surface.space().mesh.origin;
-    const std::size_t bad = first_failure(points.size(), [&](Index k) {
-        PlaneJet* jets = out.data() + k * components;
-        mesh::TrianglePlace place{triangles[k], points[k] - origin};
-        if (place.triangle == mesh::kNone && outside == Outside::Nearest) {
-            if (!std::isfinite(points[k].x) || !std::isfinite(points[k].y)) return false;
-            place = locator.nearest(points[k]);
-        }
-        if (place.triangle != mesh::kNone)
-            surface.jets(place.triangle, place.point, jets);
-        else
-            std::fill_n(jets, components, PlaneJet{kNan, {kNan, kNan}, kNan, kNan, kNan});
-        return place.triangle != mesh::kNone || outside == Outside::Nan;
+    const Visits visits{surface, locator, points, out, outside, locator.visiting_order(points)};
+    std::atomic<std::size_t> first_bad = points.size();
+    for_each_index(points.size(), [&](Index k) {
+        const std::size_t number = visits.number(k);
+        if (!visits.visit(number)) lower(first_bad, number);
     });
+    const std::size_t bad = first_bad;
     if (bad == points.size()) return {};
     const std::string where = "point " + std::to_string(bad);
     if (outside == Outside::Nearest)

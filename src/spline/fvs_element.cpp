@@ -7,9 +7,6 @@ namespace {
 constexpr int next(int i) {
     return (i + 1) % 4;
 }
-constexpr int before(int i) {
-    return (i + 3) % 4;
-}
 
 /// Exponents of the ordinates of a cubic net.
 constexpr std::array<std::array<int, 3>, 10> kExponents = {{{3, 0, 0},

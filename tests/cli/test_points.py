@@ -288,9 +288,9 @@ class LeastSquares(Points):
         out = self.path("no.relief")
         for options, says in (((("--vertices", 20, "--mesh", "m.obj")), "exclude"),
                               (("--vertices", 2), "at least 3"),
-                              (("--levels", 1), "--vertices or --mesh"),
-                              (("--smoothing", 1), "--smoothing and --energy need"),
-                              (("--energy", "jumps"), "--smoothing and --energy need"),
+                              (("--levels", 1), "levels need a number of vertices or a mesh"),
+                              (("--smoothing", 1), "smoothing and energy need"),
+                              (("--energy", "jumps"), "smoothing and energy need"),
                               (("--vertices", 20, "--energy", "none"), "--energy"),
                               (("--vertices", 20, "--smoothing", -1), "from 0 on"),
                               (("--vertices", 20, "--gradients", "zero"), "interpolation"),
@@ -387,7 +387,19 @@ class Parametric(Points):
         worst = np.max(np.abs(self.evaluated(file, self.data[:, :2]) - self.data[:, 2:]))
         self.assertLessEqual(worst, 0.01)
         self.assertAlmostEqual(worst, report["max_error"], delta=1e-12)
-        self.refuse(2, "fit", self.source, file, *self.columns, "--max-error", 0.01, says="one value a point")
+
+    def test_vertices_inserted_for_a_bound(self):
+        rows = self.rows(2000)
+        source = self.points(rows, "many.csv", "u,v,x,y,z\n", ",")
+        file, report = self.fitted(source, *self.columns, "--max-error", 0.05)
+        worst = np.max(np.abs(self.evaluated(file, rows[:, :2]) - rows[:, 2:]))
+        self.assertLessEqual(worst, 0.05)
+        self.assertAlmostEqual(worst, report["max_error"], delta=1e-12)
+        self.assertLess(report["vertices"], 1000)
+        some, fewer = self.fitted(source, *self.columns, "--max-error", 0.05, "--vertices", 150)
+        self.assertLessEqual(fewer["vertices"], 150)
+        off = np.abs(self.evaluated(some, rows[:, :2]) - rows[:, 2:]).max(axis=1)
+        self.assertEqual(fewer["beyond"], np.count_nonzero(off > 0.05))
 
     def test_least_squares_do_not_depend_on_axes(self):
         rows = self.rows(3000, noise=0.1)

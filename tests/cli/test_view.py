@@ -431,6 +431,12 @@ class View(Case):
             file.write(b"RELIEF\x89" + b"x" * 50)
         self.refuse(1, "view", self.path("bad.relief"), "--no-browser", says="bad.relief")
 
+    def test_meshes_without_levels_are_named_a_remedy(self):
+        with open(self.path("tetrahedron.obj"), "w", encoding="utf-8") as file:
+            file.write("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+        self.refuse(1, "view", self.path("tetrahedron.obj"), "--no-browser",
+                    says=("tetrahedron.obj", "no_subdivision_connectivity", "'relief remesh'"))
+
     def test_a_page_that_does_not_read_is_dropped(self):
         server = self.serve(self.dem())
         page = self.page(server)

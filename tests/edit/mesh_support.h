@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "edit/session_testing.h"
 #include "relief/codec/mesh_codec.h"
-#include "relief/edit/session.h"
 #include "relief/multires/subdivide.h"
 #include "shapes.h"
 #include "support.h"
@@ -105,18 +105,6 @@ inline Bytes encoded(const PolygonMesh& mesh, codec::MeshEncodeOptions options) 
 
 inline Bytes encoded(const MeshCase& c, codec::Goal goal) {
     return encoded(c.mesh, {.goal = goal, .scheme = c.scheme});
-}
-
-inline Session opened(Bytes bytes) {
-    auto session = Session::open(std::make_shared<MemorySource>(std::move(bytes)));
-    EXPECT_TRUE(session.ok()) << session.error().text();
-    return *std::move(session);
-}
-
-inline SurfaceGeometry surface(const Session& session) {
-    auto result = session.surface();
-    EXPECT_TRUE(result.ok()) << result.error().text();
-    return *std::move(result);
 }
 
 /// What the saved file decodes to.

@@ -3,25 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "relief/edit/session.h"
+#include "edit/session_testing.h"
 
 /// What tests of sessions with surfaces of quads and triangles share.
 namespace relief::edit::test {
-
-inline Session opened(Bytes bytes) {
-    auto session = Session::open(std::make_shared<MemorySource>(std::move(bytes)));
-    EXPECT_TRUE(session.ok()) << session.error().text();
-    return *std::move(session);
-}
-
-inline SurfaceGeometry surface(const Session& session) {
-    auto result = session.surface();
-    EXPECT_TRUE(result.ok()) << result.error().text();
-    return *std::move(result);
-}
 
 inline NetGeometry net(const Session& session, int level) {
     auto result = session.net(level, {});
@@ -102,6 +92,60 @@ inline void expect_sound(const SurfaceGeometry& surface) {
     }
     std::sort(directed.begin(), directed.end());
     EXPECT_EQ(std::adjacent_find(directed.begin(), directed.end()), directed.end());
+}
+
+/// Heights and normals are those that are told of places, floats below 4 and slopes below 3.
+inline void expect_as_told(const Session& session, const SurfaceGeometry& drawn) {
+    const double origin = session.description().origin.z;
+    for (std::size_t k = 0; k < drawn.position.size(); ++k) {
+        const auto probe = *session.at({drawn.position[k][0], drawn.position[k][1]});
+        if (!probe) continue;  // floats of the border lie beside it
+        const double size = std::sqrt(1 + dot(probe->gradient, probe->gradient));
+        ASSERT_NEAR(drawn.position[k][2] + origin, probe->value, 2e-6);
+        ASSERT_NEAR(drawn.normal[k][0] / 32767.0, -probe->gradient.x / size, 4e-5);  // 15 bits
+        ASSERT_NEAR(drawn.normal[k][1] / 32767.0, -probe->gradient.y / size, 4e-5);
+    }
+}
+
+/// The errors of a coarse level, nothing being edited: it differs from the finest by what that
+/// adds.
+inline void expect_errors_of_coarse_level(Session& session, int level) {
+    ASSERT_TRUE(session.set_view({.level = level, .extras = {.error = true}}).ok());
+    const SurfaceGeometry coarse = surface(session);
+    ASSERT_TRUE(session.set_view({.extras = {.error = true}}).ok());
+    const double origin = session.description().origin.z;
+    for (std::size_t k = 0; k < coarse.position.size(); k += 5) {
+        const auto probe = *session.at({coarse.position[k][0], coarse.position[k][1]});
+        if (!probe) continue;
+        EXPECT_NEAR(coarse.error[k], coarse.position[k][2] + origin - probe->value, 4e-6);
+    }
+}
+
+/// Draws the compression, of a surface that was encoded with this bound: the first `count` points
+/// are off what was shown before, and by no more than the bound.
+inline void expect_compressed(Session& session, std::size_t count, double bound) {
+    const SurfaceGeometry before = surface(session);
+    const auto report = session.compress(bound, {});
+    ASSERT_TRUE(report.ok()) << report.error().text();
+    EXPECT_LE(report->max_error, bound);
+    EXPECT_LT(report->bytes, session.description().bytes);
+    ASSERT_TRUE(session.set_view({.show = View::Show::Compressed}).ok());
+    const SurfaceGeometry after = surface(session);
+    double most = 0;
+    for (std::size_t k = 0; k < count; ++k)
+        most = std::max<double>(most, std::abs(after.position[k][2] - before.position[k][2]));
+    EXPECT_GT(most, 0.0);
+    EXPECT_LE(most, bound + 2e-6);  // floats below 16
+}
+
+/// Runs commands on a session, and the script of them on another one of the same file: both files
+/// are the same.
+inline void expect_replayed(Session& session, Session& again,
+                            std::initializer_list<const char*> commands) {
+    for (const char* command : commands)
+        ASSERT_TRUE(session.run(nlohmann::json::parse(command)).ok()) << command;
+    ASSERT_TRUE(again.replay(nlohmann::json::parse(session.script().dump())).ok());
+    EXPECT_EQ(*again.file(), *session.file());
 }
 
 inline void expect_refused(Session& session, const char* command, const char* reason) {

@@ -11,7 +11,6 @@
 namespace relief::edit {
 namespace {
 
-using Json = nlohmann::json;
 using mesh::Index;
 using namespace test;
 namespace fvs_mesh = multires::fvs_mesh;
@@ -113,15 +112,7 @@ TEST(QuadSession, DrawsTheSplineOfTheFile) {
     EXPECT_EQ(drawn.index.size(), 3U * 2 * 320 * 21 * 21);
     // Sides 20 x 17 and 21 x 16 of the grid that 4 x 4 quads of each make.
     EXPECT_EQ(drawn.line.size(), 2U * 21 * (20 * 17 + 21 * 16));
-    for (std::size_t k = 0; k < drawn.position.size(); ++k) {
-        const auto probe = *session.at({drawn.position[k][0], drawn.position[k][1]});
-        if (!probe) continue;
-        const double size = std::sqrt(1 + dot(probe->gradient, probe->gradient));
-        // Floats of coordinates below 4, slopes below 3; normals have 15 bits.
-        ASSERT_NEAR(drawn.position[k][2] + d.origin.z, probe->value, 2e-6);
-        ASSERT_NEAR(drawn.normal[k][0] / 32767.0, -probe->gradient.x / size, 4e-5);
-        ASSERT_NEAR(drawn.normal[k][1] / 32767.0, -probe->gradient.y / size, 4e-5);
-    }
+    expect_as_told(session, drawn);
 }
 
 TEST(QuadSession, LargeMeshesAreDrawnAsTheyAre) {
@@ -168,11 +159,6 @@ TEST(QuadSession, PatchesAreAsLargeAsTheMove) {
     const std::size_t inside = (4 * 9 - 1) * (4 * 9 - 1);
     EXPECT_EQ(change->surface.at.size(), inside);
     EXPECT_GT(page.differing(before), inside * 9 / 10);
-    // The net that is shown follows.
-    ASSERT_TRUE(session.set_view({.net = true}).ok());
-    const auto down = session.undo();
-    ASSERT_TRUE(down.ok() && down->net);
-    EXPECT_EQ(down->net->point.size(), 9U);
 }
 
 TEST(QuadSession, LevelsLeaveOutWhatIsFiner) {
@@ -251,17 +237,8 @@ TEST(QuadSession, ErrorsAreAgainstTheOriginalOfTheFinestLevel) {
     EXPECT_NEAR(measured->place.x, drawn.position[12][0], 0.1);
     EXPECT_LT(measured->rms_error, 1.5);
     EXPECT_GT(measured->rms_error, 0.1);
-    // A coarse level differs from the finest by what that adds.
     ASSERT_TRUE(session.undo().ok());
-    ASSERT_TRUE(session.set_view({.level = 1, .extras = {.error = true}}).ok());
-    const SurfaceGeometry coarse = surface(session);
-    ASSERT_TRUE(session.set_view({}).ok());
-    for (std::size_t k = 0; k < coarse.position.size(); k += 5) {
-        const auto probe = *session.at({coarse.position[k][0], coarse.position[k][1]});
-        if (!probe) continue;
-        EXPECT_NEAR(coarse.error[k],
-                    coarse.position[k][2] + session.description().origin.z - probe->value, 4e-6);
-    }
+    expect_errors_of_coarse_level(session, 1);
 }
 
 TEST(QuadSession, PlanesHaveTheirNormalAndNoCurvature) {
@@ -290,17 +267,15 @@ TEST(QuadSession, ScriptsReplayToTheSameBytesOnEditedFiles) {
     const Bytes file = *codec::add_quad_moves(encoded(grid(4, 3, 2)), {{0, 9, 0.5}, {2, 3, -1}});
     Session session = opened(file);
     EXPECT_FALSE(session.description().bound);
-    for (const char* command :
-         {R"({"do": "move", "level": 2, "points": [4, 5], "delta": 4})",
-          R"({"do": "drag", "of": "move", "level": 1, "points": [3], "delta": 9})",
-          R"({"do": "move", "level": 1, "points": [20], "delta": [0, 0, 0.3],
-              "falloff": {"radius": 1.5, "profile": "sharp"}})",
-          R"({"do": "move", "level": 0, "points": [7], "delta": 1e-3})", R"({"do": "undo"})"})
-        ASSERT_TRUE(session.run(Json::parse(command)).ok()) << command;
-    EXPECT_LT(off_the_file(session, surface(session)), kTolerance);
     Session again = opened(file);
-    ASSERT_TRUE(again.replay(Json::parse(session.script().dump())).ok());
-    EXPECT_EQ(*again.file(), *session.file());
+    expect_replayed(
+        session, again,
+        {R"({"do": "move", "level": 2, "points": [4, 5], "delta": 4})",
+         R"({"do": "drag", "of": "move", "level": 1, "points": [3], "delta": 9})",
+         R"({"do": "move", "level": 1, "points": [20], "delta": [0, 0, 0.3],
+             "falloff": {"radius": 1.5, "profile": "sharp"}})",
+         R"({"do": "move", "level": 0, "points": [7], "delta": 1e-3})", R"({"do": "undo"})"});
+    EXPECT_LT(off_the_file(session, surface(session)), kTolerance);
     const auto moves = codec::QuadFile::open(*again.file())->moves();
     ASSERT_GT(moves.size(), 4U);
     EXPECT_EQ(moves[0], (codec::QuadMove{0, 9, 0.5}));
@@ -320,19 +295,8 @@ TEST(QuadSession, FilesOfCoefficientsAreEdited) {
 TEST(QuadSession, CompressionIsShownWithItsBound) {
     Session session = opened(encoded(shuffled(grid(8, 8, 2))));
     ASSERT_TRUE(session.apply({.level = 2, .points = {40}, .delta = {0, 0, 9}}).ok());
-    const NetGeometry edited = net(session, 0);
-    const SurfaceGeometry before = surface(session);
-    const auto report = session.compress(0.05, {});
-    ASSERT_TRUE(report.ok()) << report.error().text();
-    EXPECT_LE(report->max_error, 0.05);
-    EXPECT_LT(report->bytes, session.description().bytes);
-    ASSERT_TRUE(session.set_view({.show = View::Show::Compressed}).ok());
-    const SurfaceGeometry after = surface(session);
-    float most = 0;  // at the vertices, which are drawn first
-    for (std::size_t k = 0; k < edited.position.size(); ++k)
-        most = std::max(most, std::abs(after.position[k][2] - before.position[k][2]));
-    EXPECT_GT(most, 0.0F);
-    EXPECT_LE(most, 0.05F + 2e-6F);
+    // Vertices are drawn first.
+    expect_compressed(session, session.description().levels[0].control_points, 0.05);
     const auto moved = session.apply({.level = 2, .points = {4}, .delta = {0, 0, 9}});
     ASSERT_TRUE(moved.ok());
     EXPECT_TRUE(moved->surface.at.empty());

@@ -11,7 +11,6 @@
 namespace relief::edit {
 namespace {
 
-using Json = nlohmann::json;
 using mesh::Index;
 using mesh::Triangulation;
 using namespace test;
@@ -125,15 +124,7 @@ TEST(TriangleSession, DrawsTheSplineOfTheFile) {
     EXPECT_EQ(drawn.index.size(), 3U * 9 * 24 * 32 * 32);
     // Edges of a disk with 9 x 24 triangles and 3 x 14 edges around.
     EXPECT_EQ(drawn.line.size(), 2U * 32 * (3 * 9 * 24 + 3 * 14) / 2);
-    for (std::size_t k = 0; k < drawn.position.size(); ++k) {
-        const auto probe = *session.at({drawn.position[k][0], drawn.position[k][1]});
-        if (!probe) continue;
-        const double size = std::sqrt(1 + dot(probe->gradient, probe->gradient));
-        // Floats of coordinates below 4, slopes below 3; normals have 15 bits.
-        ASSERT_NEAR(drawn.position[k][2] + d.origin.z, probe->value, 2e-6);
-        ASSERT_NEAR(drawn.normal[k][0] / 32767.0, -probe->gradient.x / size, 4e-5);
-        ASSERT_NEAR(drawn.normal[k][1] / 32767.0, -probe->gradient.y / size, 4e-5);
-    }
+    expect_as_told(session, drawn);
 }
 
 TEST(TriangleSession, PatchesKeepTheSurfaceCurrent) {
@@ -175,9 +166,9 @@ TEST(TriangleSession, TiltsChangeTheGradientAlone) {
 TEST(TriangleSession, PatchesAreAsLargeAsTheMove) {
     const Triangulation base = grid(40, 40);
     Session session = opened(encoded(values(base)));
-    ASSERT_TRUE(session.set_view({.net = true}).ok());
     Page page(session);
     const SurfaceGeometry before = page.shown;
+    const NetGeometry points = net(session, 0);
     const Index middle = 20 * 41 + 20;
     const auto change = session.apply({.level = 0, .points = {middle}, .delta = {0, 0, 1}});
     ASSERT_TRUE(change.ok());
@@ -189,10 +180,12 @@ TEST(TriangleSession, PatchesAreAsLargeAsTheMove) {
     EXPECT_EQ(change->touched, 1U);
     EXPECT_EQ(change->surface.at.size(), 1 + star * (8 * 7 / 2 + 8));
     EXPECT_GT(page.differing(before), change->surface.at.size() * 9 / 10);
-    ASSERT_TRUE(change->net);
-    EXPECT_EQ(change->net->point, (std::vector<std::uint32_t>{middle}));
-    EXPECT_EQ(change->net->position[0], net(session, 0).position[middle]);
-    EXPECT_EQ(change->net->corner[0], net(session, 0).corner[middle]);
+    // Of the net one control triangle.
+    const NetGeometry moved = net(session, 0);
+    for (std::size_t k = 0; k < points.corner.size(); ++k) {
+        EXPECT_EQ(moved.position[k] == points.position[k], k != middle) << k;
+        EXPECT_EQ(moved.corner[k] == points.corner[k], k != middle) << k;
+    }
 }
 
 TEST(TriangleSession, LevelsLeaveOutWhatIsFiner) {
@@ -256,7 +249,7 @@ TEST(TriangleSession, SurfacesInSpaceMoveInSpace) {
     Session session = opened(encoded(splines(base, 1, 3)));
     EXPECT_TRUE(session.description().parametric);
     EXPECT_FALSE(session.at({0, 0})->has_value());
-    ASSERT_TRUE(session.set_view({.extras = {.error = true, .curvature = true}, .net = true}).ok());
+    ASSERT_TRUE(session.set_view({.extras = {.error = true, .curvature = true}}).ok());
     Page page(session);
     const SurfaceGeometry before = page.shown;
     // Its normals are those of a function over another plane: x' = x + 0.2 z.
@@ -313,15 +306,7 @@ TEST(TriangleSession, DistancesInSpaceAreThoseAlongEdges) {
 
 TEST(TriangleSession, ErrorsAreAgainstTheOriginalOfTheFinestLevel) {
     Session session = opened(encoded(splines(grid(3, 3), 1)));
-    ASSERT_TRUE(session.set_view({.level = 1, .extras = {.error = true}}).ok());
-    const SurfaceGeometry coarse = surface(session);
-    ASSERT_TRUE(session.set_view({.extras = {.error = true}}).ok());
-    for (std::size_t k = 0; k < coarse.position.size(); k += 5) {
-        const auto probe = *session.at({coarse.position[k][0], coarse.position[k][1]});
-        if (!probe) continue;
-        EXPECT_NEAR(coarse.error[k],
-                    coarse.position[k][2] + session.description().origin.z - probe->value, 4e-6);
-    }
+    expect_errors_of_coarse_level(session, 1);
     ASSERT_TRUE(session.apply({.level = 0, .points = {5}, .delta = {0, 0, -4}}).ok());
     const SurfaceGeometry drawn = surface(session);
     EXPECT_FLOAT_EQ(drawn.error[5], -4);
@@ -334,17 +319,15 @@ TEST(TriangleSession, ScriptsReplayToTheSameBytesOnEditedFiles) {
     const Bytes file = *codec::add_ps_moves(encoded(splines(grid(3, 3), 2)),
                                             {{0, 9, 0, 0.5, {}}, {2, 3, 0, -1, {1, 2}}});
     Session session = opened(file);
-    for (const char* command :
-         {R"({"do": "move", "level": 2, "points": [4, 5], "delta": 4})",
-          R"({"do": "drag", "of": "tilt", "level": 1, "points": [3], "slope": [1, 9]})",
-          R"({"do": "tilt", "level": 1, "points": [20], "slope": [0.25, 0.3],
-              "falloff": {"radius": 0.7, "profile": "sharp"}})",
-          R"({"do": "move", "level": 0, "points": [7], "delta": 1e-3})", R"({"do": "undo"})"})
-        ASSERT_TRUE(session.run(Json::parse(command)).ok()) << command;
-    EXPECT_LT(off_the_file(session, surface(session)), kTolerance);
     Session again = opened(file);
-    ASSERT_TRUE(again.replay(Json::parse(session.script().dump())).ok());
-    EXPECT_EQ(*again.file(), *session.file());
+    expect_replayed(
+        session, again,
+        {R"({"do": "move", "level": 2, "points": [4, 5], "delta": 4})",
+         R"({"do": "drag", "of": "tilt", "level": 1, "points": [3], "slope": [1, 9]})",
+         R"({"do": "tilt", "level": 1, "points": [20], "slope": [0.25, 0.3],
+             "falloff": {"radius": 0.7, "profile": "sharp"}})",
+         R"({"do": "move", "level": 0, "points": [7], "delta": 1e-3})", R"({"do": "undo"})"});
+    EXPECT_LT(off_the_file(session, surface(session)), kTolerance);
     const auto moves = codec::PsFile::open(*again.file())->moves();
     ASSERT_GT(moves.size(), 4U);
     EXPECT_EQ(moves[2], (codec::PsMove{2, 4, 0, 4, {}}));
@@ -369,18 +352,7 @@ TEST(TriangleSession, OfTwoComponentsTheFirstIsEdited) {
 TEST(TriangleSession, CompressionIsShownWithItsBound) {
     Session session = opened(encoded(splines(grid(5, 5), 2)));
     ASSERT_TRUE(session.apply({.level = 2, .points = {14}, .delta = {0, 0, 3}}).ok());
-    const SurfaceGeometry before = surface(session);
-    const auto report = session.compress(0.01, {});
-    ASSERT_TRUE(report.ok()) << report.error().text();
-    EXPECT_LE(report->max_error, 0.01);
-    EXPECT_LT(report->bytes, session.description().bytes);
-    ASSERT_TRUE(session.set_view({.show = View::Show::Compressed}).ok());
-    const SurfaceGeometry after = surface(session);
-    float most = 0;
-    for (std::size_t k = 0; k < before.position.size(); ++k)
-        most = std::max(most, std::abs(after.position[k][2] - before.position[k][2]));
-    EXPECT_GT(most, 0.0F);
-    EXPECT_LE(most, 0.01F + 2e-6F);
+    expect_compressed(session, surface(session).position.size(), 0.01);
 }
 
 TEST(TriangleSession, RefusesWhatItCanNotDo) {

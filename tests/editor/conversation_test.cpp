@@ -204,6 +204,12 @@ TEST_F(ConversationTest, NetFollowsMoves) {
     EXPECT_EQ(patch["patch"], true);
     EXPECT_EQ(patch["arrays"][0]["name"], "at");
     EXPECT_EQ(patch["arrays"][0]["count"], 1);
+    // Until the page says that it does not show it any more.
+    ok(kWriter, R"({"id": 3, "ask": "net", "level": null})");
+    EXPECT_EQ(mail.waiting(kWriter), 0U);
+    ok(kWriter, move());
+    EXPECT_EQ(mail.text(kWriter)["event"], "changed");
+    EXPECT_EQ(mail.waiting(kWriter), 0U);
 }
 
 TEST_F(ConversationTest, DragIsShownAndGoes) {

@@ -18,7 +18,7 @@ struct Data {
     std::vector<Vec2> points;
     std::vector<double> values;
 
-    [[nodiscard]] ScatteredData view() const { return {points, values, {}}; }
+    [[nodiscard]] ScatteredData view() const { return {points, std::span(&values, 1), {}}; }
 };
 
 Data franke_data(int count, double noise_size, std::uint64_t seed = 1) {
@@ -34,7 +34,7 @@ Data franke_data(int count, double noise_size, std::uint64_t seed = 1) {
 
 /// Largest distance of the surface from the data, by evaluation alone.
 double true_error(const AdaptiveSurface& surface, const Data& data) {
-    const auto evaluator = Surface::create(surface.space, std::span(&surface.spline, 1));
+    const auto evaluator = Surface::create(surface.space, surface.components);
     const mesh::TriangleLocator locator(surface.space.mesh);
     std::vector<spline::PlaneJet> jets(data.points.size());
     EXPECT_TRUE(evaluate(*evaluator, locator, data.points, jets, Outside::Nearest).ok());
@@ -164,6 +164,48 @@ TEST(PsAdaptive, NoPointLiesOutside) {
         ASSERT_TRUE(surface.ok());
         EXPECT_EQ(outside(surface->space.mesh), 0);
     }
+}
+
+/// A hemisphere over its plane: vertices are where any of the three components needs them.
+TEST(PsAdaptive, EveryComponentIsWithinTheBound) {
+    test::Noise noise(9);
+    std::vector<Vec2> points;
+    std::vector<std::vector<double>> components(3);
+    for (int k = 0; k < 4000; ++k) {
+        const Vec2 p{noise(), noise()};
+        points.push_back(p);
+        components[0].push_back(std::sin(3 * p.x));
+        components[1].push_back(p.y);
+        components[2].push_back(std::cos(3 * p.x) * (1 + 0.2 * std::sin(5 * p.y)));
+    }
+    components[1].push_back(components[1][7] + 0.004);  // half the range is below the bound
+    components[0].push_back(components[0][7]);
+    components[2].push_back(components[2][7]);
+    points.push_back(points[7]);
+    const double bound = 0.003;
+    const auto surface = fit_within({points, components, {}}, {bound});
+    ASSERT_TRUE(surface.ok()) << surface.error().text();
+    EXPECT_EQ(surface->beyond, 0U) << surface->reason;
+    const auto evaluator = Surface::create(surface->space, surface->components);
+    const mesh::TriangleLocator locator(surface->space.mesh);
+    std::vector<spline::PlaneJet> jets(3 * points.size());
+    ASSERT_TRUE(evaluate(*evaluator, locator, points, jets, Outside::Nearest).ok());
+    double worst = 0;
+    for (std::size_t k = 0; k < points.size(); ++k)
+        for (std::size_t m = 0; m < 3; ++m)
+            worst = std::max(worst, std::abs(jets[3 * k + m].value - components[m][k]));
+    EXPECT_LE(worst, bound);
+    EXPECT_NEAR(worst, surface->report.max_error, 1e-12);
+    EXPECT_LT(surface->space.mesh.vertex_count(), 1000U);  // of 4000
+
+    // The flat component alone needs the hull and little else.
+    const auto flat = fit_within({points, std::span(components).subspan(1, 1), {}}, {bound});
+    EXPECT_LT(4 * flat->space.mesh.vertex_count(), surface->space.mesh.vertex_count());
+    components[1].back() += 1;
+    const auto torn = fit_within({points, components, {}}, {bound});
+    EXPECT_EQ(torn->reason.substr(0, 17), "points 7 and 4000");
+    EXPECT_EQ(fit_within({points, {}, {}}, {bound}).error().message.substr(0, 15),
+              "component_count");
 }
 
 }  // namespace

@@ -179,11 +179,11 @@ TEST(PsSpace, Errors) {
 
     const Space space = must(make_space(mesh));
     Coefficients spline = random_spline(space, 1);
-    EXPECT_TRUE(check(space, spline).ok());
+    EXPECT_TRUE(check(space.mesh, spline).ok());
     spline[2][1] = NAN;
-    EXPECT_EQ(check(space, spline).error().where, "vertex 2");
+    EXPECT_EQ(check(space.mesh, spline).error().where, "vertex 2");
     spline.pop_back();
-    EXPECT_FALSE(check(space, spline).ok());
+    EXPECT_FALSE(check(space.mesh, spline).ok());
 }
 
 /// The edge point runs to the end quadratically: 0.12 eps^2 of the edge (section 2).

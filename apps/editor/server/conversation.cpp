@@ -8,10 +8,6 @@
 
 namespace relief::editor {
 
-bool same_surface(const edit::View& a, const edit::View& b) {
-    return a.level == b.level && a.show == b.show && a.extras == b.extras;
-}
-
 namespace {
 
 Result<edit::Session> open_session(const Document& document) {
@@ -108,8 +104,7 @@ void Conversation::work(PageId page, const Request& request, const Wanted& wante
 }
 
 Status Conversation::adopt(const Page& page) {
-    if (!page.view) return {};
-    if (same_surface(session_.view(), *page.view)) return {};
+    if (!page.view || session_.view() == *page.view) return {};
     RELIEF_CHECK(session_.set_view(*page.view));
     for (const edit::TileName& tile : page.tiles) session_.hold(tile);
     return {};

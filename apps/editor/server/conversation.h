@@ -18,9 +18,6 @@ namespace relief::editor {
 /// Whether the work at hand is still wanted.
 using Wanted = std::function<bool()>;
 
-/// Whether two views differ in the net at most: tiles of one are those of the other.
-[[nodiscard]] bool same_surface(const edit::View& a, const edit::View& b);
-
 /// What pages and server say to each other about one open file: requests in, messages out. Knows no
 /// sockets, and is for one thread.
 ///

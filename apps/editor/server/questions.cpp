@@ -106,7 +106,7 @@ Status Conversation::view(PageId page, const Request& request) {
     RELIEF_TRY(view.extras, extras_of(body));
     Page& state = pages_[page];
     Page wanted{view};
-    if (state.view && same_surface(*state.view, view)) wanted.tiles = state.tiles;
+    if (state.view == view) wanted.tiles = state.tiles;
     if (raster) wanted.net = state.net;
     if (!raster && body.value("net", Json(false)) == true) {
         wanted.net.emplace();
@@ -193,6 +193,11 @@ Status Conversation::forget(PageId page, const Request& request) {
 }
 
 Status Conversation::net(PageId page, const Request& request) {
+    if (request.body.value("level", Json(0)).is_null()) {
+        pages_[page].net.reset();
+        say_ok(page, request.id);
+        return {};
+    }
     Net net;
     RELIEF_TRY(net.level, level_of(request.body, "level", session_));
     if (const auto window = request.body.find("window"); window != request.body.end()) {

@@ -107,50 +107,53 @@ class Message {
     std::vector<std::span<const std::byte>> bytes_;
 };
 
-/// What tiles and their parts share.
-Message tile_head(const char* what, const edit::TileGeometry& tile, const Stamp& stamp) {
+/// What surfaces, tiles and parts of them share.
+template <class Geometry>
+void add_samples(Message& message, const Geometry& geometry) {
+    message.add_some("position", geometry.position);
+    message.add_some("normal", geometry.normal);
+    message.add_some("error", geometry.error);
+    message.add_some("curvature", geometry.curvature);
+}
+
+void add_tile_samples(Message& message, const edit::TileGeometry& tile) {
+    message.add_some("height", tile.height);
+    message.add_some("valid", tile.valid);
+    add_samples(message, tile);
+}
+
+Message of_level(const char* what, int level, const Stamp& stamp) {
     Message message(what, stamp);
-    message.say("tile", Json::array({tile.tile.lod, tile.tile.row, tile.tile.col}));
+    message.say("level", level);
     return message;
 }
 
-void add_samples(Message& message, const edit::TileGeometry& tile) {
-    message.add_some("height", tile.height);
-    message.add_some("position", tile.position);
-    message.add("normal", tile.normal);
-    message.add_some("valid", tile.valid);
-    message.add_some("error", tile.error);
-    message.add_some("curvature", tile.curvature);
+Message of_tile(const char* what, const edit::TileName& tile, const Stamp& stamp) {
+    Message message(what, stamp);
+    message.say("tile", Json::array({tile.lod, tile.row, tile.col}));
+    return message;
 }
 
 }  // namespace
 
 Bytes surface_message(const edit::SurfaceGeometry& surface, const Stamp& stamp) {
-    Message message("surface", stamp);
-    message.say("level", surface.level);
-    message.add("position", surface.position);
-    message.add("normal", surface.normal);
+    Message message = of_level("surface", surface.level, stamp);
+    add_samples(message, surface);
     message.add("index", surface.index, 3);
     message.add("line", surface.line, 2);
-    message.add_some("error", surface.error);
-    message.add_some("curvature", surface.curvature);
     message.add_some("uv", surface.uv);
     return message.finish();
 }
 
 Bytes surface_patch(const edit::SurfacePatch& patch, const Stamp& stamp) {
-    Message message("patch", stamp);
-    message.say("level", patch.level);
+    Message message = of_level("patch", patch.level, stamp);
     message.add("at", patch.at);
-    message.add_some("position", patch.position);
-    message.add_some("normal", patch.normal);
-    message.add_some("error", patch.error);
-    message.add_some("curvature", patch.curvature);
+    add_samples(message, patch);
     return message.finish();
 }
 
 Bytes tile_message(const edit::TileGeometry& tile, const Stamp& stamp) {
-    Message message = tile_head("tile", tile, stamp);
+    Message message = of_tile("tile", tile.tile, stamp);
     message.say("rows", tile.rect.rows);
     message.say("cols", tile.rect.cols);
     message.say("x0", tile.x0);
@@ -159,21 +162,20 @@ Bytes tile_message(const edit::TileGeometry& tile, const Stamp& stamp) {
     message.say("y1", tile.y1);
     message.say("dx", tile.dx);
     message.say("dy", tile.dy);
-    add_samples(message, tile);
+    add_tile_samples(message, tile);
     return message.finish();
 }
 
 Bytes tile_patch(const edit::TileGeometry& part, const Stamp& stamp) {
-    Message message = tile_head("patch", part, stamp);
+    Message message = of_tile("patch", part.tile, stamp);
     const LatticeBox& rect = part.rect;
     message.say("rect", Json::array({rect.row0, rect.col0, rect.rows, rect.cols}));
-    add_samples(message, part);
+    add_tile_samples(message, part);
     return message.finish();
 }
 
 Bytes net_message(const edit::NetGeometry& net, const Stamp& stamp) {
-    Message message("net", stamp);
-    message.say("level", net.level);
+    Message message = of_level("net", net.level, stamp);
     message.add("position", net.position);
     message.add("index", net.point);
     message.add("line", net.line, 2);
@@ -182,8 +184,7 @@ Bytes net_message(const edit::NetGeometry& net, const Stamp& stamp) {
 }
 
 Bytes net_patch(const edit::NetGeometry& part, const Stamp& stamp) {
-    Message message("net", stamp);
-    message.say("level", part.level);
+    Message message = of_level("net", part.level, stamp);
     message.say("patch", true);
     message.add("at", part.point);
     message.add("position", part.position);

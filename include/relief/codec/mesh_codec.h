@@ -33,6 +33,9 @@ struct MeshEncodeOptions {
     /// What max-error and rms-error mean, and what is reported. By surface, files are smaller:
     /// places of vertices along it count for little.
     MeshDistance distance = MeshDistance::Vertices;
+    /// By surface: what distances are measured from in place of the mesh itself, which is another
+    /// mesh of the same surface. It must outlive the call.
+    const PolygonMesh* original = nullptr;
     /// None: what makes the smallest file, or the smallest error.
     std::optional<multires::MeshScheme> scheme = {};
     int levels = -1;                   ///< at most; -1: as many as the mesh has
@@ -77,7 +80,8 @@ struct EncodedMesh {
 /// Errors: those of relief::check and mesh::build, naming the element; BadInput
 /// no_subdivision_connectivity, naming the component; InvalidArgument for goals that are negative
 /// or not numbers, a size that can not be reached, or distances by surface of coordinates above
-/// 1e75; Cancelled. Complexity: O(n) for each of some 15 trials, O(n log n) by surface.
+/// 1e75; BadInput `goal_out_of_reach` if the mesh itself is farther from an original; Cancelled.
+/// Complexity: O(n) for each of some 15 trials, O(n log n) by surface.
 [[nodiscard]] Result<EncodedMesh> encode_mesh(const PolygonMesh& mesh,
                                               const MeshEncodeOptions& options);
 

@@ -71,7 +71,7 @@ struct EncodedPoints {
 /// `beyond` says how many points are off, and the code adds a quarter of the bound at most.
 /// Errors: those of mesh::delaunay, multires::ps and encode_ps; BadInput `bound_not_reached` if a
 /// goal is out of reach, with the reason, `no_data` if no point lies on the base; InvalidArgument
-/// for an Insertion with another goal or several components, and for a finest level of more than
+/// for an Insertion with another goal, and for a finest level of more than
 /// 2^23 vertices; Cancelled.
 [[nodiscard]] Result<EncodedPoints> encode_points(const PsData& data, const PointMethod& method,
                                                   std::optional<Goal> goal = {},

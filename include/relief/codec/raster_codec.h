@@ -5,10 +5,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "relief/codec/oracle.h"
 #include "relief/core/raster.h"
+#include "relief/core/sampling.h"
 #include "relief/core/stream.h"
 #include "relief/multires/edit.h"
 #include "relief/multires/scheme.h"
@@ -117,6 +119,18 @@ struct DecodedRaster {
     std::vector<LatticeBox> damaged = {};
 };
 
+/// Errors: BadFile naming the damaged part, if there is one.
+[[nodiscard]] Status check_damage(const std::vector<LatticeBox>& damaged);
+
+/// Control coefficients of a part of a level.
+struct ControlPart {
+    multires::LevelCoefficients<double> net;
+    /// Of closed-loop files, whose coefficients are samples: 0 in holes, where the net is an
+    /// interpolation; empty: no holes.
+    Grid<std::uint8_t> mask = {};
+    std::vector<LatticeBox> damaged = {};  ///< of closed-loop files, as of DecodedRaster
+};
+
 /// An opened .relief raster, or a prefix of one. What a prefix lacks is filled in from what it has:
 /// every level can be decoded, and its bound says how far it is off. Several threads may read at
 /// once.
@@ -144,6 +158,10 @@ class RasterFile {
     /// finest lattice, the raster's and the margin's.
     [[nodiscard]] const multires::PyramidLayout& layout() const;
     [[nodiscard]] LatticeMargin margin() const;
+    /// Smallest and largest sample of the original, as the closed loop noted them to its unit.
+    /// Where they were too far apart for it, up to a hundredth of the samples lies outside. None:
+    /// not known, or edited.
+    [[nodiscard]] std::optional<std::pair<double, double>> original_range(int component) const;
     /// Some samples are not valid.
     [[nodiscard]] bool has_holes() const;
     /// Made by the closed loop, in tiles that are decoded on demand.
@@ -182,20 +200,32 @@ class RasterFile {
     /// decode_window.
     [[nodiscard]] Result<multires::LevelCoefficients<double>> coefficients(
         int level, const LatticeBox& part) const;
+    /// The same, with what is known of them.
+    [[nodiscard]] Result<ControlPart> control_part(int level, const LatticeBox& part) const;
 
     /// Control coefficients (relief/multires/surface.h) of a surface that passes through decode(0)
     /// before its rounding to the sample type (for the quasi-interpolating and coefficient data
     /// maps: the surface that the file describes).
     [[nodiscard]] Result<multires::Planes<double>> control_net() const;
 
+    /// Errors: InvalidArgument for a level that the file does not have or a window that is not
+    /// inside its raster.
+    [[nodiscard]] Status check_window(int level, const LatticeBox& window) const;
+
     /// A window of the raster of `level`: size, transform, mask, and values in the sample type.
-    /// Damage is filled in from coarser levels, and named. Errors: InvalidArgument for a level that
-    /// the file does not have or a window that is not inside; BadFile when nothing can be decoded.
-    /// Complexity: O(window and the tiles that it meets) for the closed loop, else O(raster).
+    /// Damage is filled in from coarser levels, and named. Errors: as check_window; BadFile when
+    /// nothing can be decoded.
+    /// Complexity: O(window and the tiles that it meets) if decodes_parts(), else O(raster).
     [[nodiscard]] Result<DecodedRaster> decode_window(int level, const LatticeBox& window) const;
 
     /// The whole raster of `level`. Errors: as decode_window, and BadFile for any damage.
     [[nodiscard]] Result<Raster> decode(int level) const;
+
+    /// The schemes `fvs` and `cubic` decode windows without the rest, unless the file is edited.
+    [[nodiscard]] bool decodes_parts() const;
+
+    /// Where the samples of a window of the raster of `level` lie in the finest one.
+    [[nodiscard]] Sampling samples_of_level(int level, const LatticeBox& window) const;
 
     /// Rows and columns of the raster of `level`. Sample (r, c) of a level above 0 lies at
     /// (r 2^level - margin().rows, c 2^level - margin().cols) of the raster.
@@ -206,6 +236,11 @@ class RasterFile {
     explicit RasterFile(std::unique_ptr<State> state);
     std::unique_ptr<State> state_;
 };
+
+/// Adds to the metadata of a raster that was decoded from `file`, within `bound` of the original
+/// where that is known, what its reader may want to know: RELIEF_SCHEME, RELIEF_LEVELS,
+/// RELIEF_MAX_ERROR. What an earlier encoding said goes.
+void note_origin(const RasterFile& file, std::optional<double> bound, Raster& raster);
 
 /// The same file with `moves` added to those it has. The data of all levels is untouched: moves are
 /// a layer of their own. They stand before the levels, so that every prefix has them. Errors:

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <span>
 #include <vector>
 
@@ -34,12 +35,31 @@ class RasterSurface {
 
   private:
     RasterSurface() = default;
+    Status create_part(const RasterFile& file, int level, const LatticeBox& part,
+                       const LatticeBox& all);
+    Status create_whole(const RasterFile& file, int level);
 
     LatticeBox window_;
     double row0_ = 0;  ///< what the surfaces count from
     double col0_ = 0;
     Grid<std::uint8_t> mask_;
     std::vector<multires::Surface<double>> surfaces_;
+};
+
+/// The surfaces of a file's levels, kept where parts of them can not be made alone; of others the
+/// last window's. Not for several threads at once.
+class RasterSurfaces {
+  public:
+    /// The file must outlive this and keep its address.
+    explicit RasterSurfaces(const RasterFile& file) : file_(file) {}
+
+    /// One that takes part with the window at least; it lives until the next call. Errors: as
+    /// RasterSurface::create.
+    [[nodiscard]] Result<const RasterSurface*> around(int level, const LatticeBox& window);
+
+  private:
+    const RasterFile& file_;
+    std::map<int, RasterSurface> surfaces_;
 };
 
 }  // namespace relief::codec

@@ -16,6 +16,9 @@ using PackedNormal = std::array<std::int16_t, 4>;
 [[nodiscard]] PackedNormal packed_normal(const Vec3<double>& unit);
 
 using Point = std::array<float, 3>;
+[[nodiscard]] inline Point page_point(const Vec3<double>& p) {
+    return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+}
 
 /// What is drawn beside places and normals.
 struct Extras {

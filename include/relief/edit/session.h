@@ -74,16 +74,15 @@ struct View {
     int level = 0;
     Show show = Show::Edited;
     Extras extras = {};
-    bool net = false;
+
+    friend bool operator==(const View&, const View&) = default;
 };
 
-/// What a change did to what a view shows. Whole: too much changed for patches, ask again.
+/// What a change did to what a view shows.
 struct Change {
     std::uint64_t touched = 0;        ///< vertices or samples of the finest level that may differ
     SurfacePatch surface;             ///< kinds but rasters
     std::vector<TileGeometry> tiles;  ///< rasters: of the tiles that the view holds
-    std::optional<NetGeometry> net;   ///< changed control points, if the view shows the net;
-                                      ///< `point` are their places in the whole net
 };
 
 struct Measurement {

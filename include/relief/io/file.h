@@ -13,8 +13,13 @@
 #include "relief/core/result.h"
 #include "relief/core/stream.h"
 
-/// Files in, whole or at any place, and outputs that appear only when they are complete.
+/// Files in, whole or at any place, and outputs that appear only when they are complete. Paths may
+/// be of GDAL's virtual file systems: /vsicurl/, /vsizip/, /vsimem/ and the like.
 namespace relief::io {
+
+namespace detail {
+class VirtualOutput;
+}
 
 /// The first `max_bytes` bytes of a file, or all of it. Pipes are read to their end.
 /// Errors: NotFound (missing, unreadable or a directory).
@@ -57,7 +62,8 @@ class StagedOutput {
 };
 
 /// A file that is written piece by piece and appears under its name on commit(); without a commit
-/// nothing stays. Devices and pipes (/dev/stdout) can not be replaced and are written directly.
+/// nothing stays. Devices and pipes (/dev/stdout) and files of virtual file systems can not be
+/// replaced and are written directly.
 class OutputFile final : public ByteSink {
   public:
     /// Errors: as StagedOutput::beside.
@@ -74,10 +80,12 @@ class OutputFile final : public ByteSink {
 
   private:
     OutputFile(std::string path, int descriptor, std::optional<StagedOutput> staged);
+    explicit OutputFile(std::unique_ptr<detail::VirtualOutput> file);
 
     std::string path_;
     int descriptor_ = -1;
     std::optional<StagedOutput> staged_;  ///< none for a device or pipe
+    std::unique_ptr<detail::VirtualOutput> virtual_;
 };
 
 /// A spool that stays in memory up to kMemory bytes and moves to a temporary file with the append

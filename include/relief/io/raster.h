@@ -51,8 +51,10 @@ class RasterReader final : public RasterSource {
     [[nodiscard]] Result<Raster> read(const LatticeBox& window, const Progress& progress) const;
 
   private:
+    friend Result<RasterReader> reader_of(void* dataset);  // relief/io/gdal.h
     struct File;
     explicit RasterReader(std::unique_ptr<File> file);
+    [[nodiscard]] static Result<RasterReader> create(std::unique_ptr<File> file);
 
     std::unique_ptr<File> file_;
 };
@@ -122,8 +124,12 @@ struct CellSize {
 /// metres.
 [[nodiscard]] CellSize cell_size_metres(const GeoReference& geo, std::int64_t rows);
 
-/// The same in the unit of a raster's heights: feet and US survey feet by their names, anything
-/// else is taken for metres. Nothing without a transform or a CRS. Planes are not read.
+/// What a unit of x and one of y are on the ground at the middle row, in the unit of a raster's
+/// heights: feet and US survey feet by their names, anything else is taken for metres. 1 without a
+/// transform or a CRS. Planes are not read.
+[[nodiscard]] CellSize ground_scale(const Raster& about);
+
+/// The size of a cell in the unit of a raster's heights. Nothing without a transform or a CRS.
 [[nodiscard]] std::optional<CellSize> cell_size_in_unit(const Raster& about);
 
 }  // namespace relief::io

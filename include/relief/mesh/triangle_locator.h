@@ -3,6 +3,7 @@
 #include <memory>
 #include <span>
 
+#include "relief/core/buffer.h"
 #include "relief/mesh/triangulation.h"
 
 namespace relief::mesh {
@@ -18,10 +19,12 @@ struct TrianglePlace {
 /// powell-sabin.md section 10.
 class TriangleLocator {
   public:
-    /// The mesh must outlive the locator and keep its address. Complexity: O(n + b log b) with b
-    /// boundary edges, and O(n log n) for parts of the mesh that are far finer than the rest.
-    /// Memory: about 20 bytes a triangle.
-    explicit TriangleLocator(const Triangulation& mesh);
+    /// The triangles must outlive the locator and keep their address; the boundary need not.
+    /// Complexity: O(n + b log b) with b boundary edges, and O(n log n) for parts of the mesh that
+    /// are far finer than the rest. Memory: about 20 bytes a triangle.
+    TriangleLocator(const PlaneTriangles& triangles, std::span<const TriangleSide> boundary);
+    explicit TriangleLocator(const Triangulation& mesh)
+        : TriangleLocator(mesh, boundary_sides(mesh)) {}
     TriangleLocator(TriangleLocator&&) noexcept;
     TriangleLocator& operator=(TriangleLocator&&) noexcept;
     ~TriangleLocator();
@@ -36,6 +39,11 @@ class TriangleLocator {
     /// any order; they are visited cell by cell. Requires: the spans have the same size, at most
     /// 2^32 - 1.
     void locate(std::span<const Vec2> points, std::span<Index> triangles) const;
+
+    /// An order of the points, by number, in which they lie near each other: whoever locates many
+    /// and looks at their triangles finds both in the cache. Empty if there are too few for the
+    /// order to be worth its cost. Requires: at most 2^32 - 1 points.
+    [[nodiscard]] Buffer<Index> visiting_order(std::span<const Vec2> points) const;
 
     /// The point itself with its triangle, or the nearest point of the boundary, on the smallest of
     /// several equally near edges. Requires: the point is finite, the mesh has triangles.

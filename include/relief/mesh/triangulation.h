@@ -13,20 +13,14 @@
 /// section 1; docs/triangulations.md.
 namespace relief::mesh {
 
-/// Triangles in the plane, any two of which share one edge, one vertex or nothing. Invariant: made
-/// by `build` or `connect`. Holes, several components, vertices of any valence and fans that meet
-/// in one vertex only need no special treatment.
-struct Triangulation {
+/// Where the triangles of a triangulation are, without how they are joined: 40 bytes a vertex.
+struct PlaneTriangles {
     Vec2 origin;            ///< centre of the bounding box of what was built
     std::vector<double> x;  ///< vertices relative to the origin: far from zero, digits that
     std::vector<double> y;  ///< refinement needs would be lost to rounding
     std::vector<std::array<Index, 3>> triangles;  ///< corners, counter-clockwise
-    std::vector<std::array<Index, 2>> edges;      ///< lower, higher vertex; lexicographic order
-    std::vector<std::array<Index, 2>> edge_triangles;  ///< left and right of lower to higher, kNone
-    std::vector<std::array<Index, 3>> triangle_edges;  ///< edge k joins corner k to corner k + 1
 
     [[nodiscard]] Index vertex_count() const { return static_cast<Index>(x.size()); }
-    [[nodiscard]] Index edge_count() const { return static_cast<Index>(edges.size()); }
     [[nodiscard]] Index triangle_count() const { return static_cast<Index>(triangles.size()); }
 
     [[nodiscard]] Vec2 vertex(Index v) const { return {x[v], y[v]}; }
@@ -34,6 +28,23 @@ struct Triangulation {
         const auto& v = triangles[t];
         return {vertex(v[0]), vertex(v[1]), vertex(v[2])};
     }
+};
+
+/// A side of a triangle: it joins corner `side` to the next one.
+struct TriangleSide {
+    Index triangle = 0;
+    Index side = 0;
+};
+
+/// Triangles in the plane, any two of which share one edge, one vertex or nothing. Invariant: made
+/// by `build` or `connect`. Holes, several components, vertices of any valence and fans that meet
+/// in one vertex only need no special treatment.
+struct Triangulation : PlaneTriangles {
+    std::vector<std::array<Index, 2>> edges;  ///< lower, higher vertex; lexicographic order
+    std::vector<std::array<Index, 2>> edge_triangles;  ///< left and right of lower to higher, kNone
+    std::vector<std::array<Index, 3>> triangle_edges;  ///< edge k joins corner k to corner k + 1
+
+    [[nodiscard]] Index edge_count() const { return static_cast<Index>(edges.size()); }
     /// From the lower to the higher vertex.
     [[nodiscard]] Vec2 edge_vector(Index e) const {
         return vertex(edges[e][1]) - vertex(edges[e][0]);
@@ -79,6 +90,9 @@ struct TriangulationOptions {
 /// transient memory of 48 bytes a triangle.
 [[nodiscard]] Triangulation connect(Vec2 origin, std::vector<double> x, std::vector<double> y,
                                     std::vector<std::array<Index, 3>> triangles);
+
+/// The sides on the boundary, in the order of their edges. Complexity: O(n).
+[[nodiscard]] std::vector<TriangleSide> boundary_sides(const Triangulation& mesh);
 
 /// The vertices that triangles use, in their order, and the triangles with their new numbers.
 struct CompactTriangles {

@@ -13,7 +13,7 @@ namespace relief::multires::ps {
 
 struct ScatteredData {
     std::span<const Vec2> points;
-    std::span<const double> values;
+    std::span<const std::vector<double>> components;  ///< one to three, each a value a point
     std::span<const double> weights;  ///< of the least squares, not negative; empty: all 1
 };
 
@@ -25,7 +25,7 @@ struct ScatteredData {
                                                                std::size_t count);
 
 struct AdaptiveOptions {
-    double max_error = 0;  ///< of every point, whatever its weight
+    double max_error = 0;  ///< of every point, whatever its weight, in each component
     /// Vertices to begin with, beside those of the convex hull.
     std::size_t first_vertices = 16;
     std::size_t most_vertices = static_cast<std::size_t>(-1);
@@ -37,7 +37,7 @@ struct AdaptiveOptions {
 
 struct AdaptiveSurface {
     Space space;
-    Coefficients spline;
+    std::vector<Coefficients> components;
     FitReport report;
     std::size_t beyond = 0;  ///< how many points are not within the bound
     std::string reason;      ///< why they are not; empty if there are none
@@ -49,9 +49,9 @@ struct AdaptiveSurface {
 /// squares leave beyond it is moved into it, so that there is an end: at the latest when all places
 /// are vertices. No point lies outside the triangulation, unless most_vertices is too few for that.
 /// Points at the same place need values no farther apart than twice the bound.
-/// Errors: `size_mismatch`, `non_finite_input`, those of mesh::delaunay and LeastSquares;
-/// InvalidArgument for a bound that is negative or not a number; Cancelled. Complexity: that of
-/// some ten fits, the last one with the most vertices.
+/// Errors: `component_count`, `size_mismatch`, `non_finite_input`, those of mesh::delaunay and
+/// LeastSquares; InvalidArgument for a bound that is negative or not a number; Cancelled.
+/// Complexity: that of some ten fits, the last one with the most vertices.
 [[nodiscard]] Result<AdaptiveSurface> fit_within(const ScatteredData& data,
                                                  const AdaptiveOptions& options);
 

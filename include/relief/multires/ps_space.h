@@ -54,8 +54,9 @@ struct Space {
 
 /// Errors: `size_mismatch`, and `non_finite_input` for a coefficient that is not finite or beyond
 /// 1e150, where squares overflow.
-[[nodiscard]] Status check(const Space& space, std::span<const Heights> spline);
-[[nodiscard]] Status check(const Space& space, std::span<const spline::TangentPlane> planes);
+[[nodiscard]] Status check(const mesh::PlaneTriangles& mesh, std::span<const Heights> spline);
+[[nodiscard]] Status check(const mesh::PlaneTriangles& mesh,
+                           std::span<const spline::TangentPlane> planes);
 
 /// The largest part, in barycentric coordinates, by which a control triangle fails to contain the
 /// points that it must; 0 if none does. Complexity: O(n).

@@ -19,12 +19,18 @@ namespace relief::multires::ps {
 /// ask.
 class Surface {
   public:
-    /// The space must outlive the surface and keep its address. Errors: those of `check`, and
-    /// `component_count` unless there are one to three. Complexity: O(n).
+    /// The triangles of the mesh must outlive the surface and keep their address; its edges, the
+    /// split and the control triangles need not. Errors: those of `check`, and `component_count`
+    /// unless there are one to three. Complexity: O(n).
     [[nodiscard]] static Result<Surface> create(const Space& space,
                                                 std::span<const Coefficients> components);
+    /// The same from the tangent planes at the vertices, without control triangles.
+    [[nodiscard]] static Result<Surface> create(const mesh::Triangulation& mesh, const Split& split,
+                                                std::span<const TangentPlanes> components);
 
-    [[nodiscard]] const Space& space() const { return *space_; }
+    [[nodiscard]] const mesh::PlaneTriangles& triangles() const { return *triangles_; }
+    /// The triangles have moved to another address.
+    void follow(const mesh::PlaneTriangles& triangles) { triangles_ = &triangles; }
     [[nodiscard]] int components() const { return components_; }
 
     /// Value, gradient and Hessian in a triangle, at a point relative to the mesh's origin. Value
@@ -40,9 +46,11 @@ class Surface {
     }
 
   private:
-    Surface(const Space& space, int components);
+    Surface(const mesh::PlaneTriangles& triangles, int components);
+    static Result<Surface> made(const mesh::Triangulation& mesh, const Split& split,
+                                std::span<const TangentPlanes> components);
 
-    const Space* space_;
+    const mesh::PlaneTriangles* triangles_;
     int components_;
     std::size_t stride_;
     Buffer<double> blocks_;
@@ -58,7 +66,8 @@ enum class Outside {
 /// Jets at points in the coordinates of the mesh's source; that of component m at point k goes to
 /// out[k * components() + m]. Results do not depend on the order of points. The locator is that of
 /// the surface's mesh. Errors: `size_mismatch`; `outside_domain` (Reject), `non_finite_point`
-/// (Nearest), both for the first such point. Complexity: O(1) a point.
+/// (Nearest), both for the first such point. Complexity: O(1) a point; many are visited in an order
+/// in which neighbours follow each other.
 [[nodiscard]] Status evaluate(const Surface& surface, const mesh::TriangleLocator& locator,
                               std::span<const Vec2> points, std::span<spline::PlaneJet> out,
                               Outside outside = Outside::Reject);

@@ -224,9 +224,8 @@ export class Actions {
 
     /** Escape: leaves the innermost of what is going on. */
     private leave(): void {
-        const { pointer, help, editing } = this.parts;
-        if (help.close() || pointer.cancel()) return;
-        editing.selectNone();
+        const { pointer, editing } = this.parts;
+        if (!pointer.cancel()) editing.selectNone();
     }
 }
 

@@ -135,6 +135,7 @@ export class Appearance {
             point: hex("--net-point"),
             line: hex("--net-line"),
             selected: hex("--net-selected"),
+            triangle: hex("--net-triangle"),
         });
         this.colour();
         this.edges();
@@ -143,14 +144,15 @@ export class Appearance {
 
     private colour(): void {
         const scale = scaleOf(this.store.state, this.session.shape?.largestValue() ?? 0);
-        this.scale = scale;
+        // Under an image colours say nothing.
+        this.scale = this.store.state.drape === "shown" ? null : scale;
         this.material.setColouring(
             scale?.quantity ?? "height",
             scale?.map ?? null,
             scale?.low ?? 0,
             scale?.high ?? 1,
         );
-        for (const call of this.watchers) call(scale);
+        for (const call of this.watchers) call(this.scale);
         this.viewport.invalidate();
     }
 

@@ -2,6 +2,7 @@
 // falloff look on it.
 
 import * as THREE from "three";
+import { unitsPerPixel } from "./camera";
 import { adjacency, falloffWeights, type Adjacency, type Metric } from "./falloff";
 import { checkIndices, FrameError, optionalArray, requiredArray, type Frame } from "./frame";
 import type { Falloff, Vector3 } from "./protocol";
@@ -12,7 +13,11 @@ export interface NetColours {
     point: number;
     line: number;
     selected: number;
+    triangle: number;
 }
+
+/** Pixels across a point: fewer where points are dense. */
+const pointPixels = { least: 3, most: 7, perEdge: 0.35 };
 
 const pointVertexShader = /* glsl */ `
 uniform mat4 modelViewMatrix;
@@ -62,6 +67,15 @@ function pointMaterial(opacity: number, depthTest: boolean): THREE.RawShaderMate
     });
 }
 
+function lineMaterial(depthTest: boolean): THREE.LineBasicMaterial {
+    return new THREE.LineBasicMaterial({
+        transparent: true,
+        opacity: depthTest ? 0.8 : 0.25,
+        depthTest,
+        depthWrite: false,
+    });
+}
+
 export class ControlNet {
     readonly object = new THREE.Group();
     /** Page coordinates of the points by place; commands call point p `names[p]`. */
@@ -73,36 +87,34 @@ export class ControlNet {
     private edges: Adjacency = adjacency(0, this.line);
     private places = new Map<number, number>();
     private states = new Float32Array();
+    private spacing = 0;
     /** What is behind the surface is drawn faintly, by a second pass without depth test. */
     private readonly pointMaterials = [pointMaterial(0.3, false), pointMaterial(1, true)];
-    private readonly lineMaterials = [
-        new THREE.LineBasicMaterial({
-            transparent: true,
-            opacity: 0.25,
-            depthTest: false,
-            depthWrite: false,
-        }),
-        new THREE.LineBasicMaterial({ transparent: true, opacity: 0.8, depthWrite: false }),
-    ];
+    private readonly lineMaterials = [lineMaterial(false), lineMaterial(true)];
+    private readonly triangleMaterials = [lineMaterial(false), lineMaterial(true)];
     private readonly points = new THREE.BufferGeometry();
     private readonly lines = new THREE.BufferGeometry();
     private readonly trianglePositions = new THREE.BufferGeometry();
 
     constructor(private readonly viewport: Viewport) {
-        this.lineMaterials.forEach((material, order) => {
-            for (const geometry of [this.lines, this.trianglePositions]) {
+        for (const [geometry, materials] of [
+            [this.lines, this.lineMaterials],
+            [this.trianglePositions, this.triangleMaterials],
+        ] as const) {
+            materials.forEach((material, order) => {
                 const lines = new THREE.LineSegments(geometry, material);
                 lines.renderOrder = 1 + order;
                 lines.frustumCulled = false;
                 this.object.add(lines);
-            }
-        });
+            });
+        }
         this.pointMaterials.forEach((material, order) => {
             const points = new THREE.Points(this.points, material);
             points.renderOrder = 3 + order;
             points.frustumCulled = false;
             this.object.add(points);
         });
+        viewport.onDraw(() => this.scalePoints());
     }
 
     get count(): number {
@@ -212,9 +224,9 @@ export class ControlNet {
         for (const material of this.pointMaterials) {
             material.uniforms.point.value = vector(colours.point);
             material.uniforms.selected.value = vector(colours.selected);
-            material.uniforms.size.value = 7 * this.viewport.pixelRatio;
         }
         for (const material of this.lineMaterials) material.color.setHex(colours.line);
+        for (const material of this.triangleMaterials) material.color.setHex(colours.triangle);
         this.viewport.invalidate();
     }
 
@@ -248,6 +260,15 @@ export class ControlNet {
         if (corners) corners.needsUpdate = true;
     }
 
+    private scalePoints(): void {
+        const { camera, height, pixelRatio } = this.viewport;
+        const edge = this.spacing / unitsPerPixel(camera, height);
+        const { least, most, perEdge } = pointPixels;
+        const pixels = Math.min(most, Math.max(least, perEdge * edge));
+        for (const material of this.pointMaterials)
+            material.uniforms.size.value = pixels * pixelRatio;
+    }
+
     private build(): void {
         this.edges = adjacency(this.count, this.line);
         this.places = new Map([...this.names].map((name, place) => [name, place]));
@@ -270,5 +291,9 @@ export class ControlNet {
         this.trianglePositions.setAttribute("position", new THREE.BufferAttribute(corners, 3));
         this.trianglePositions.setIndex(new THREE.BufferAttribute(sides, 1));
         this.object.visible = this.count > 0;
+        this.spacing = this.typicalEdge();
+        // Edges step back behind control triangles.
+        this.lineMaterials[0].opacity = this.corner ? 0.08 : 0.25;
+        this.lineMaterials[1].opacity = this.corner ? 0.3 : 0.8;
     }
 }

@@ -54,6 +54,13 @@ export function measured(value: number, unit: string, digits = 4): string {
     return unit ? `${number(value, digits)} ${unit}` : number(value, digits);
 }
 
+/** A coordinate system by its code or the name in its WKT; nothing if it has none. */
+export function crs(text: string): string {
+    if (!text.includes("[")) return text;
+    const name = /"([^"]*)"/.exec(text)?.[1] ?? "";
+    return name === "unnamed" || name === "unknown" ? "" : name;
+}
+
 /** 1, 2 or 5 times a power of ten, the first from `value` on. */
 export function roundUp(value: number): number {
     if (!(value > 0)) return 1;

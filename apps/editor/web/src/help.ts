@@ -53,22 +53,16 @@ export class Help {
             "header",
             {},
             el("h2", { id: "help-title" }, "Keyboard and pointer"),
-            button("\u00d7", () => this.close(), { class: "quiet", "aria-label": "Close" }),
+            button("\u00d7", () => this.element.close(), { class: "quiet", "aria-label": "Close" }),
         );
         this.element.append(head, el("div", { class: "columns" }, ...groups, pointer));
         this.element.addEventListener("click", (event) => {
-            if (event.target === this.element) this.close();
+            if (event.target === this.element) this.element.close();
         });
     }
 
     toggle(): void {
-        if (!this.close()) this.element.showModal();
-    }
-
-    /** False if it was not open. */
-    close(): boolean {
-        const open = this.element.open;
-        this.element.close();
-        return open;
+        if (this.element.open) this.element.close();
+        else this.element.showModal();
     }
 }

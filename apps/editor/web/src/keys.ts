@@ -12,8 +12,8 @@ export function listenToKeys(actions: Actions): void {
         };
         const action = actionOf(event);
         if (!action || belongsToControl(event, control)) return;
-        if (document.querySelector("dialog[open]") && action !== "help" && action !== "none")
-            return;
+        // Dialogs close by themselves on Escape.
+        if (document.querySelector("dialog[open]") && action !== "help") return;
         event.preventDefault();
         actions.run(action);
     });

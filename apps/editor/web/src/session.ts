@@ -314,7 +314,9 @@ export class Session {
     private updateNet(): void {
         const { store, viewport } = this.parts;
         const { hello, net, netLevel, shown } = store.state;
-        if (!hello || !net) {
+        if (!hello) return;
+        if (!net) {
+            if (this.netAsked !== "") void this.send({ ask: "net", level: null });
             this.netAsked = "";
             return;
         }

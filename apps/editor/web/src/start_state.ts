@@ -4,19 +4,22 @@ import { roundUp } from "./format";
 import { movesOnlyUp, type Hello } from "./protocol";
 import type { State } from "./store";
 
+/** Height over width. */
+const steepest = 0.7;
+
 /** Nets of more points are not chosen by themselves. */
 const handyNet = 1600;
 
 /**
- * The exaggeration that makes heights a tenth to a half of the width, or 1 if they are: a round
- * number.
+ * A round exaggeration that makes heights a twentieth of the width at least, and at most 0.7 of
+ * it; 1 if they are.
  */
 function handyExaggeration(hello: Hello): number {
     const [wide, deep, high] = hello.max.map((m, i) => m - hello.min[i]);
     const ratio = high / Math.max(wide, deep);
     if (!movesOnlyUp(hello) || !(ratio > 0)) return 1;
     if (ratio < 0.04) return roundUp(0.05 / ratio);
-    return ratio > 0.6 ? 1 / roundUp(ratio / 0.5) : 1;
+    return ratio > steepest ? 1 / roundUp(ratio / steepest) : 1;
 }
 
 export function startState(hello: Hello): Partial<State> {

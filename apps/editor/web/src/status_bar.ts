@@ -94,7 +94,7 @@ export class StatusBar {
         this.value.textContent = `${values}${hello.unit ? ` ${hello.unit}` : ""}${steep}`;
         const where =
             x === null || y === null ? "" : `x ${format.number(x, 9)}  y ${format.number(y, 9)}`;
-        this.place.textContent = hello.crs ? `${where}  ${hello.crs}` : where;
+        this.place.textContent = `${where}  ${format.crs(hello.crs)}`;
     }
 
     private showCounts(): void {

@@ -22,6 +22,15 @@ describe("numbers", () => {
         expect(format.field(-12000)).toBe("-12000");
     });
 
+    it("name coordinate systems", () => {
+        expect(format.crs("EPSG:32611")).toBe("EPSG:32611");
+        expect(format.crs("")).toBe("");
+        expect(format.crs('PROJCRS["NAD83 / UTM zone 11N",BASEGEOGCRS["NAD83"]]')).toBe(
+            "NAD83 / UTM zone 11N",
+        );
+        expect(format.crs('ENGCRS["unnamed",EDATUM[""],CS[Cartesian,2]]')).toBe("");
+    });
+
     it("of bytes have three digits", () => {
         expect(format.bytes(0)).toBe("0 B");
         expect(format.bytes(999)).toBe("999 B");

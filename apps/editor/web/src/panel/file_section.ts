@@ -25,14 +25,16 @@ function describe(hello: Hello): string {
     const size = hello.raster
         ? `${format.count(hello.raster.rows)} \u00d7 ${format.count(hello.raster.cols)} samples`
         : "";
-    const scheme = hello.scheme
-        ? `${hello.scheme}${hello.order ? ` of order ${hello.order}` : ""}`
-        : "";
+    // Splines on triangles are of one scheme.
+    const scheme =
+        hello.scheme && hello.kind !== "triangles"
+            ? `${hello.scheme}${hello.order ? ` of order ${hello.order}` : ""}`
+            : "";
     return [
         kinds[hello.kind],
         size,
         scheme,
-        hello.crs,
+        format.crs(hello.crs),
         hello.bytes ? format.bytes(hello.bytes) : "",
     ]
         .filter((part) => part !== "")
