@@ -7,6 +7,7 @@
 #include <numeric>
 #include <random>
 
+#include "../fuzz/shards.h"
 #include "landscape.h"
 #include "relief/core/parallel.h"
 
@@ -211,6 +212,26 @@ TEST(RasterShards, DamageIsAnError) {
             parts[which] = std::make_shared<MemorySource>(std::move(damaged));
             EXPECT_FALSE(merged(parts).ok());
         }
+    }
+}
+
+TEST(RasterShards, AHostileHeaderIsAnErrorOrAnotherFile) {
+    const Raster raster = heights(40, 30, SampleType::Float32);
+    const auto plan = planned(raster, options_of(kOne));
+    Bytes bytes(plan->size());
+    ASSERT_TRUE(plan->read(0, bytes).ok());
+    const std::string header = ContainerReader::open(bytes)->header();
+    fuzz::shard_header(bytes,
+                       {reinterpret_cast<const std::uint8_t*>(header.data()), header.size()});
+    std::mt19937 random(11);
+    for (int trial = 0; trial < 3000; ++trial) {
+        Bytes text(header.begin(), header.end());
+        for (std::uint32_t edits = 1 + random() % 3; edits > 0; --edits) {
+            std::uint8_t& at = text[random() % text.size()];
+            constexpr std::string_view likely = "0123456789-.e,[]{}\"";
+            at = static_cast<std::uint8_t>(likely[random() % likely.size()]);
+        }
+        fuzz::shard_header(bytes, text);
     }
 }
 

@@ -34,7 +34,8 @@ def test_shards_come_from_both_workers(client):
     z = hills(800, 1300).astype(np.int16)
     first = relief.dask.plan(z, lossless=True)
     workers = list(client.scheduler_info()["workers"])
-    parts = [client.submit(relief.dask.shard, first, z, tiles, workers=[worker], pure=False)
+    first_there, z_there = client.scatter([first, z], broadcast=True)
+    parts = [client.submit(relief.dask.shard, first_there, z_there, tiles, workers=[worker], pure=False)
              for worker, tiles in zip(workers, ([0, 3, 4], [1, 2, 5]))]
     shards = client.gather(parts)
     merged = relief.merge([shards[1], first, shards[0]])
