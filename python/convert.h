@@ -197,5 +197,6 @@ void define_subdivision(py::module_& module);
 void define_scattered(py::module_& module);
 void define_edit(py::module_& module);
 void define_shards(py::module_& module);
+void define_remeshing(py::module_& module);
 
 }  // namespace relief::python

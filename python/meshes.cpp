@@ -92,6 +92,10 @@ py::object encode_subdivision(const PolygonMesh& mesh, const py::object& path, c
     encode.alpha = options["alpha"].cast<std::optional<double>>();
     encode.keep_order = options["keep_order"].cast<bool>();
     if (options["surface"].cast<bool>()) encode.distance = codec::MeshDistance::Surface;
+    const auto original = options["original"].cast<std::shared_ptr<PolygonMesh>>();
+    if (original && encode.distance != codec::MeshDistance::Surface)
+        raise_argument("distances from an original are those of surfaces: give surface=True");
+    encode.original = original.get();
     encode.progress = call.hook();
     auto encoded = call.run([&] { return codec::encode_mesh(mesh, encode); });
     py::dict report = rate_report(encoded.report);

@@ -15,6 +15,7 @@ PYBIND11_MODULE(_relief, module) {
     define_scattered(module);
     define_edit(module);
     define_shards(module);
+    define_remeshing(module);
     module.def("set_thread_count", &relief::set_thread_count, py::arg("threads"),
                "How many threads the library uses from now on; 0: as many as there are cores.\n\n"
                "Results do not depend on it.");

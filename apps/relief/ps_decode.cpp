@@ -197,7 +197,8 @@ Status write_triangles(const codec::PsFile& file, const PsLevel& level, const Ps
         RELIEF_CHECK(write_bezier(level, verb.out));
     } else {
         RELIEF_TRY(const PolygonMesh polygons, codec::polygons_of(file, *level.data));
-        RELIEF_TRY(missing, io::write_mesh(verb.out, polygons));
+        RELIEF_TRY(missing, io::write_mesh(verb.out, polygons,
+                                           {.up = file.components() == 1 ? io::Up::Z : io::Up::Y}));
     }
     outcome.json["samples"] = mesh.vertex_count();
     outcome.text =

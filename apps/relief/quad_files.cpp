@@ -54,7 +54,8 @@ Result<Outcome> decode_quads(const std::string& in, const std::string& out, int 
     RELIEF_TRY(const codec::QuadFile file, open_quads(in, max_bytes));
     const auto mesh = file.decode(level);
     if (!mesh.ok()) return located(mesh.error(), in);
-    if (const auto written = io::write_mesh(out, codec::polygons_of(*mesh)); !written.ok())
+    if (const auto written = io::write_mesh(out, codec::polygons_of(*mesh), {.up = io::Up::Z});
+        !written.ok())
         return written.error();
     const auto surface = file.surface_bound(level);
     Outcome outcome;

@@ -18,6 +18,7 @@
 #include "relief/io/mesh.h"
 #include "relief/io/points.h"
 #include "relief/io/raster.h"
+#include "relief/remesh/remesh.h"
 
 namespace relief::cli {
 
@@ -26,6 +27,8 @@ namespace {
 using editor::Document;
 
 constexpr codec::Goal kLossless{codec::Goal::Kind::Lossless, 0};
+/// Edges of machine parts that turn by more degrees are sharp.
+constexpr double kFeatures = 40;
 /// A mesh of more vertices is nothing that other programs can show.
 constexpr std::int64_t kLargestMesh = std::int64_t{1} << 24;
 
@@ -40,12 +43,31 @@ Result<Bytes> raster_bytes(const std::string& path, const Progress& progress) {
     return sink.take();
 }
 
-/// Meshes are edited at the levels that subdivision gave them.
-Error with_advice(Error error) {
-    if (error.message.starts_with("no_subdivision_connectivity"))
-        error.message +=
-            "; 'relief remesh' makes a mesh of the same shape that has levels to be edited at";
-    return error;
+bool has_no_levels(const Error& error) {
+    return error.message.starts_with("no_subdivision_connectivity");
+}
+
+/// Meshes are edited at levels of subdivision: one without any is shown by a mesh of its shape that
+/// has them.
+Result<PolygonMesh> remeshed(const PolygonMesh& mesh, const std::string& path,
+                             const Progress& progress, std::vector<std::string>& notices) {
+    auto result = remesh::remesh(mesh, {.progress = progress});
+    if (!result.ok()) {
+        Error error = result.error();
+        error.message =
+            "it is no subdivision of a coarser mesh, and no such mesh of its shape was "
+            "found; 'relief remesh' has options for that: " +
+            error.message;
+        return located(std::move(error), path);
+    }
+    const remesh::RemeshReport& report = result->report;
+    notices.push_back(fmt::format(
+        "{} is no subdivision of a coarser mesh. Shown is one of the same shape: {} faces in {} "
+        "levels over {}; the surfaces are {} of the diagonal apart (RMS), at most {}",
+        std::filesystem::path(path).filename().string(), grouped(result->mesh.polygon_count()),
+        report.levels, grouped(report.base_faces), shown(report.rms_error / report.diagonal),
+        shown(report.max_error / report.diagonal)));
+    return std::move(result->mesh);
 }
 
 Result<Bytes> mesh_bytes(const std::string& path, const Progress& progress,
@@ -57,9 +79,14 @@ Result<Bytes> mesh_bytes(const std::string& path, const Progress& progress,
         if (!encoded.ok()) return located(encoded.error(), path);
         return std::move(encoded->bytes);
     }
-    RELIEF_TRY(const PolygonMesh mesh, read_polygons(path));
-    auto encoded = codec::encode_mesh(mesh, {.goal = kLossless, .progress = progress});
-    if (!encoded.ok()) return located(with_advice(encoded.error()), path);
+    RELIEF_TRY(PolygonMesh mesh, read_polygons(path));
+    const codec::MeshEncodeOptions options{.goal = kLossless, .progress = progress};
+    auto encoded = codec::encode_mesh(mesh, options);
+    if (!encoded.ok() && has_no_levels(encoded.error())) {
+        RELIEF_TRY(mesh, remeshed(mesh, path, progress, notices));
+        encoded = codec::encode_mesh(mesh, options);
+    }
+    if (!encoded.ok()) return located(encoded.error(), path);
     if (encoded->report.lost_creases > 0)
         notices.push_back(
             fmt::format("{} sharp edges are no part of sharp edges of the coarser "
@@ -165,7 +192,8 @@ Status export_raster(const std::string& relief, int level, const std::string& ou
     RELIEF_TRY(const Raster raster, file.decode(level));
     if (!io::names_mesh(out)) return io::write_raster(out, raster);
     RELIEF_TRY(const PolygonMesh mesh, mesh_of(raster));
-    const auto written = io::write_mesh(out, mesh);
+    const auto written =
+        io::write_mesh(out, mesh, {.up = raster.planes.size() == 3 ? io::Up::Y : io::Up::Z});
     return written.ok() ? Status() : written.error();
 }
 

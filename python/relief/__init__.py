@@ -21,8 +21,8 @@ from ._relief import (EditSession, Error, Mesh, MeshFile, MeshPyramid, Pyramid, 
                       SplineFile, __version__, set_thread_count, thread_count)
 
 __all__ = ["EditSession", "Error", "Mesh", "MeshFile", "MeshPyramid", "Pyramid", "QuadFile", "Raster", "RasterFile",
-           "SplineFile", "analyse", "compare", "encode", "fit", "merge", "open", "read", "reverse", "set_thread_count",
-           "subdivide", "thread_count", "write"]
+           "SplineFile", "analyse", "compare", "encode", "fit", "merge", "open", "read", "remesh", "reverse",
+           "set_thread_count", "subdivide", "thread_count", "write"]
 
 
 def _is_path(thing):
@@ -125,7 +125,7 @@ def write(path, what, *, valid=None, nodata=None, transform=None, crs="", unit="
 def encode(what, path=None, *, max_error=None, rms_error=None, bytes=None, keep=None, lossless=False, scheme=None,
            order=2, levels=-1, family="compact", dual=0, map="interpolate", exact=False, profile="dense", effort=1,
            valid=None, nodata=None, transform=None, crs="", unit="", lift="chebyshev", alpha=None, surface=False,
-           keep_order=True, over_uv=False, progress=None):
+           original=None, keep_order=True, over_uv=False, progress=None):
     """Encodes a raster or a mesh, and opens the file, which is in memory or at `path`. Its `report` says what was
     reached, measured on the decoded file.
 
@@ -142,7 +142,8 @@ def encode(what, path=None, *, max_error=None, rms_error=None, bytes=None, keep=
 
     Meshes: scheme 'loop', 'sqrt3' or 'catmull-clark' (None: what makes the smallest file), 'fvs' for quads and
     'powell-sabin' for triangles over the plane (over_uv: of texture coordinates); lift; alpha of sqrt3; surface: errors
-    are distances of the surfaces; keep_order: of vertices and faces.
+    are distances of the surfaces, from the mesh `original` if one is given, of which this is a remesh; keep_order: of
+    vertices and faces.
 
     progress: called with the fraction done, from 0 to 1; False stops. Errors: relief.Error naming option or element.
     Source: docs/codec.md, docs/reverse-subdivision.md.
@@ -162,7 +163,8 @@ def encode(what, path=None, *, max_error=None, rms_error=None, bytes=None, keep=
     mesh = _relief.read_mesh(what) if kind == "mesh" else _mesh(what)
     goal = _goal(max_error, rms_error, bytes, keep, lossless)
     if mesh is not None:
-        options = {"lift": lift, "alpha": alpha, "surface": surface, "keep_order": keep_order, "over_uv": over_uv}
+        options = {"lift": lift, "alpha": alpha, "surface": surface, "original": _mesh(original),
+                   "keep_order": keep_order, "over_uv": over_uv}
         return _relief.encode_mesh(mesh, path, goal, scheme or "", levels, options, progress)
     if kind == "points":
         raise ValueError(f"{what}: holds scattered points; relief.fit makes a surface of them")
@@ -256,6 +258,33 @@ def subdivide(mesh, faces=None, *, scheme="loop", levels=1, alpha=None, limit=Fa
     if limit or boundary_corners:
         raise ValueError("limit and boundary_corners are for a relief.Mesh")
     return _relief.subdivide_arrays(mesh, faces, scheme, levels, alpha)
+
+
+def remesh(mesh, faces=None, *, base_faces=None, levels=None, features=None, tolerance=2e-3, progress=None):
+    """A mesh of the same shape that is `levels` times the subdivision of a coarse one, and a report of what was reached.
+
+    A Mesh, or vertices (n, 3) and faces as of `subdivide`, of any kind that is an oriented manifold (Mesh.repair). The
+    result is a Mesh as `reverse` and `encode` take it. base_faces, levels: of the coarse mesh, about (None: such that
+    the result has as many faces as the mesh); features: edges that turn by more degrees stay sharp; tolerance: the
+    largest distance of the surfaces, both ways, as a fraction of the diagonal of the mesh. Report: base_faces, levels,
+    rms_error and max_error between the surfaces, worst (x, y, z), flips, quality, diagonal, attempts; lengths in the
+    units of the mesh. Errors: relief.Error with the place, where the tolerance is not met, or naming the element.
+    Source: docs/remeshing.md.
+
+    >>> import numpy as np, relief
+    >>> u, v = np.meshgrid(np.arange(40), np.arange(20), indexing="ij")
+    >>> a, b = np.pi * u / 20, np.pi * v / 10
+    >>> ring = np.stack([(3 + np.cos(b)) * np.cos(a), (3 + np.cos(b)) * np.sin(a), np.sin(b)], -1).reshape(-1, 3)
+    >>> corner = lambda i, j: (i % 40 * 20 + j % 20).ravel()
+    >>> quads = np.stack([corner(u, v), corner(u + 1, v), corner(u + 1, v + 1), corner(u, v + 1)], -1)
+    >>> mesh, report = relief.remesh(ring, quads, levels=2, tolerance=0.01)
+    >>> report["flips"], report["max_error"] <= 0.01 * report["diagonal"]
+    (0, True)
+    >>> relief.reverse(mesh).levels
+    2
+    """
+    whole = mesh if isinstance(mesh, Mesh) else Mesh(mesh, faces)
+    return _relief.remesh(whole, base_faces, levels, features, tolerance, progress)
 
 
 def reverse(mesh, faces=None, *, scheme="loop", levels=-1, lift="chebyshev", boundary_corners=False, omega=1.0):

@@ -241,6 +241,7 @@ def encode(
     lift: str = ...,
     alpha: float | None = ...,
     surface: bool = ...,
+    original: _MeshLike | None = ...,
     keep_order: bool = ...,
     over_uv: bool = ...,
     progress: _Progress = ...,
@@ -301,6 +302,16 @@ def subdivide(
     limit: bool = ...,
     boundary_corners: bool = ...,
 ) -> tuple[NDArray[Any], NDArray[np.int32]]: ...
+def remesh(
+    mesh: Mesh | ArrayLike,
+    faces: _Faces | None = ...,
+    *,
+    base_faces: int | None = ...,
+    levels: int | None = ...,
+    features: float | None = ...,
+    tolerance: float = ...,
+    progress: _Progress = ...,
+) -> tuple[Mesh, dict[str, Any]]: ...
 def reverse(
     mesh: Mesh | ArrayLike,
     faces: _Faces | None = ...,

@@ -55,7 +55,7 @@ struct EncodedMesh {
 [[nodiscard]] EncodedMesh encode_obj(const PolygonMesh& mesh);
 [[nodiscard]] EncodedMesh encode_ply(const PolygonMesh& mesh, PlyEncoding encoding);
 [[nodiscard]] Result<EncodedMesh> encode_stl(const PolygonMesh& mesh);
-[[nodiscard]] Result<EncodedMesh> encode_glb(const PolygonMesh& mesh);
+[[nodiscard]] Result<EncodedMesh> encode_glb(const PolygonMesh& mesh, Up up = Up::Y);
 
 /// Calls triangle(i, j, k) with the places in a polygon of `size` corners: a fan from its first.
 template <class Function>

@@ -234,12 +234,21 @@ int add_triangles(Buffer& buffer, const Corners& corners, const PolygonMesh& mes
         });
 }
 
-Json scene_of(const Buffer& buffer, const Json& attributes, int triangles, const Vec3& centre) {
+/// Where the middle goes; what points along z is turned to point along y.
+Json node_of(const Vec3& centre, Up up) {
+    if (up == Up::Y) return Json{{"mesh", 0}, {"translation", centre}};
+    const double root_half = std::sqrt(0.5);
+    return Json{{"mesh", 0},
+                {"rotation", {-root_half, 0, 0, root_half}},
+                {"translation", {centre[0], centre[2], -centre[1]}}};
+}
+
+Json scene_of(const Buffer& buffer, const Json& attributes, int triangles, Json node) {
     Json root;
     root["asset"] = Json{{"version", "2.0"}, {"generator", "relief"}};
     root["scene"] = 0;
     root["scenes"] = Json::array({Json{{"nodes", Json::array({0})}}});
-    root["nodes"] = Json::array({Json{{"mesh", 0}, {"translation", centre}}});
+    root["nodes"] = Json::array({std::move(node)});
     root["meshes"] = Json::array({Json{{"primitives", Json::array({Json{{"attributes", attributes},
                                                                         {"indices", triangles},
                                                                         {"material", 0}}})}}});
@@ -275,7 +284,7 @@ Result<std::string> container(std::string json, const std::string& numbers) {
 
 }  // namespace
 
-Result<EncodedMesh> encode_glb(const PolygonMesh& mesh) {
+Result<EncodedMesh> encode_glb(const PolygonMesh& mesh, Up up) {
     if (mesh.polygon_count() == 0)
         return Error{ErrorCode::BadInput, "a GLB file needs at least one polygon", ""};
     const Vec3 centre = centre_of(mesh);
@@ -301,7 +310,8 @@ Result<EncodedMesh> encode_glb(const PolygonMesh& mesh) {
     if (colour) attributes["COLOR_0"] = add_colours(buffer, corners, *colour);
     EncodedMesh file;
     RELIEF_TRY(file.bytes,
-               container(scene_of(buffer, attributes, triangles, centre).dump(), buffer.bytes()));
+               container(scene_of(buffer, attributes, triangles, node_of(centre, up)).dump(),
+                         buffer.bytes()));
     for (const MeshAttribute& attribute : mesh.attributes)
         if (&attribute != uv && &attribute != colour && attribute.name != "normal")
             file.left_out.push_back(attribute.name);

@@ -25,7 +25,7 @@ Result<detail::EncodedMesh> encode(const std::string& extension, const PolygonMe
     if (extension == ".off") return detail::encode_off(mesh);
     if (extension == ".ply") return detail::encode_ply(mesh, options.ply);
     if (extension == ".stl") return detail::encode_stl(mesh);
-    if (extension == ".glb") return detail::encode_glb(mesh);
+    if (extension == ".glb") return detail::encode_glb(mesh, options.up);
     return Error{ErrorCode::InvalidArgument,
                  "a mesh is written as .obj, .off, .ply, .stl or .glb; choose one", ""};
 }

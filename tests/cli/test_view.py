@@ -15,6 +15,7 @@ import time
 import numpy as np
 
 from harness import NORTH_UP, RELIEF, Case, contents_of, hills, main, read_raster, samples, write_raster
+from test_remesh import scan
 from websocket import CLOSE, CONTINUATION, TEXT, Closed, Refused, WebSocket
 
 
@@ -431,11 +432,28 @@ class View(Case):
             file.write(b"RELIEF\x89" + b"x" * 50)
         self.refuse(1, "view", self.path("bad.relief"), "--no-browser", says="bad.relief")
 
-    def test_meshes_without_levels_are_named_a_remedy(self):
-        with open(self.path("tetrahedron.obj"), "w", encoding="utf-8") as file:
-            file.write("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
-        self.refuse(1, "view", self.path("tetrahedron.obj"), "--no-browser",
-                    says=("tetrahedron.obj", "no_subdivision_connectivity", "'relief remesh'"))
+    def test_meshes_without_levels_are_remeshed(self):
+        points, faces = scan(30)
+        with open(self.path("scan.obj"), "w", encoding="utf-8") as file:
+            file.writelines("v {} {} {}\n".format(*p) for p in points)
+            file.writelines("f {} {} {}\n".format(*(c + 1 for c in f)) for f in faces)
+        server = self.serve(self.path("scan.obj"))
+        page = self.page(server)
+        self.assertEqual(page.hello["kind"], "mesh")
+        self.assertGreater(len(page.hello["levels"]), 1)
+        self.assertIn("scan.obj is no subdivision", page.event("notice")["message"])
+        # What is shown has the shape of the file, within what remeshing keeps to.
+        status, ply, _ = server.request("GET", server.root + "export?format=ply")
+        self.assertEqual(status, 200)
+        with open(self.path("shown.ply"), "wb") as file:
+            file.write(ply)
+        far = self.json("compare", self.path("scan.obj"), self.path("shown.ply"), "--surface")
+        self.assertLessEqual(far["max_error"], 2e-3 * np.linalg.norm(np.ptp(points, axis=0)))
+
+    def test_meshes_that_can_not_be_remeshed_are_named_a_remedy(self):
+        with open(self.path("strip.obj"), "w", encoding="utf-8") as file:
+            file.write("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 1 1 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\n")
+        self.refuse(1, "view", self.path("strip.obj"), "--no-browser", says=("strip.obj", "non_manifold"))
 
     def test_a_page_that_does_not_read_is_dropped(self):
         server = self.serve(self.dem())

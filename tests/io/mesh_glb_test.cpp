@@ -117,6 +117,24 @@ TEST(Glb, TrianglesAroundTheCentre) {
     EXPECT_FALSE(file.primitive()["attributes"].contains("COLOR_0"));
 }
 
+TEST(Glb, HeightsPointUp) {
+    PolygonMesh mesh = square();
+    for (auto& [x, y, z] : mesh.vertices) x += 10, y += 20, z += 30;
+    const auto encoded = detail::encode_glb(mesh, Up::Z);
+    ASSERT_TRUE(encoded.ok());
+    const Glb file(encoded->bytes);
+    const Json& node = file.json["nodes"][0];
+    // The middle (11, 22, 30) with z up is (11, 30, -22) with y up.
+    EXPECT_EQ(node["translation"], (Json{11.0, 30.0, -22.0}));
+    // A quaternion (x, y, z, w) that takes (0, 0, 1) to (0, 1, 0): v + 2 q x (q x v + w v).
+    const Values q = node["rotation"].get<Values>();
+    EXPECT_EQ(q[1], 0);
+    EXPECT_EQ(q[2], 0);
+    EXPECT_NEAR(-2 * q[0] * q[3], 1, 1e-15) << "y of the turned z axis: -2 x w";
+    EXPECT_NEAR(1 - 2 * q[0] * q[0], 0, 1e-15) << "its z: 1 - 2 x^2";
+    EXPECT_EQ(file.numbers("POSITION"), glb(mesh).numbers("POSITION"));
+}
+
 TEST(Glb, BoundsAreThoseOfTheStoredFloats) {
     PolygonMesh mesh = square();
     mesh.vertices = {{0.1, 0.2, 0.3}, {1.0 / 3, 2.0 / 3, -0.7}, {-0.9, 1e-9, 0}, {5e-324, 7, 1}};

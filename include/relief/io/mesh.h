@@ -54,8 +54,13 @@ struct LoadedMesh {
 
 enum class PlyEncoding : std::uint8_t { Binary, Ascii };
 
+/// The axis of a mesh that points up.
+enum class Up : std::uint8_t { Y, Z };
+
 struct MeshWriteOptions {
     PlyEncoding ply = PlyEncoding::Binary;  ///< binary is little endian
+    /// For GLB, where y is up: surfaces over a plane, whose heights are z, are turned by the node.
+    Up up = Up::Y;
 };
 
 /// Writes .obj, .off, .ply, .stl or .glb, by the extension. Numbers in text have the fewest digits

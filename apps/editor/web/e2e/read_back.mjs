@@ -38,6 +38,14 @@ export function readPly(path) {
     return { vertices, faces: count("face") };
 }
 
+/** A place turned by a quaternion x, y, z, w: p + 2 q x (q x p + w p). */
+function turned(p, [x, y, z, w]) {
+    const cross = (a, b) => [0, 1, 2].map((k) => a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3]);
+    const q = [x, y, z];
+    const inner = cross(q, p).map((value, k) => value + w * p[k]);
+    return cross(q, inner).map((value, k) => p[k] + 2 * value);
+}
+
 /** The positions of the first mesh of a GLB, moved by its node, and how many triangles it has. */
 export function readGlb(path) {
     const bytes = readFileSync(path);
@@ -49,10 +57,12 @@ export function readGlb(path) {
     const primitive = gltf.meshes[0].primitives[0];
     const accessor = gltf.accessors[primitive.attributes.POSITION];
     const at = (gltf.bufferViews[accessor.bufferView].byteOffset ?? 0) + (accessor.byteOffset ?? 0);
-    const shift = gltf.nodes.find((node) => node.mesh === 0).translation ?? [0, 0, 0];
-    const vertices = Array.from({ length: accessor.count }, (_, v) =>
-        [0, 1, 2].map((axis) => data.readFloatLE(at + 12 * v + 4 * axis) + shift[axis]),
-    );
+    const node = gltf.nodes.find((candidate) => candidate.mesh === 0);
+    const { rotation = [0, 0, 0, 1], translation = [0, 0, 0] } = node;
+    const vertices = Array.from({ length: accessor.count }, (_, v) => {
+        const place = [0, 1, 2].map((axis) => data.readFloatLE(at + 12 * v + 4 * axis));
+        return turned(place, rotation).map((value, axis) => value + translation[axis]);
+    });
     return { vertices, faces: gltf.accessors[primitive.indices].count / 3 };
 }
 

@@ -170,17 +170,18 @@ test("exports hold the level that is shown", async () => {
         const tif = await editor.exported("tif");
         assert.equal(tif.name, "exports.tif");
         assert.deepEqual(readRaster(tif.path), heights);
-        for (const [format, read, quads] of [
-            ["obj", readObj, 1],
-            ["ply", readPly, 1],
-            ["glb", readGlb, 2],
+        // Heights are z, but in GLB, where y is up.
+        for (const [format, read, quads, up] of [
+            ["obj", readObj, 1, 2],
+            ["ply", readPly, 1, 2],
+            ["glb", readGlb, 2, 1],
         ]) {
             const mesh = read((await editor.exported(format)).path);
             assert.equal(mesh.faces, quads * (sideOfLevel - 1) ** 2, format);
             const largest = Math.max(...heights.map(Math.abs));
             mesh.vertices.forEach((vertex, k) =>
                 // 32-bit floats.
-                assert.ok(Math.abs(vertex[2] - heights[k]) <= 2 ** -22 * largest, `${format} ${k}`),
+                assert.ok(Math.abs(vertex[up] - heights[k]) <= 2 ** -22 * largest, `${format} ${k}`),
             );
         }
         assert.deepEqual(await editor.messages(), []);
