@@ -48,4 +48,4 @@ def opening(results: dict[str, dict]) -> str:
 
 
 def report(results: dict[str, dict]) -> str:
-    return f"### Editor: a move of a drag\n\n{drags(results)}\n### Editor: from a file to the first picture\n\n{opening(results)}"
+    return f"### Editor: a move of a drag\n\n{drags(results)}\n\n### Editor: from a file to the first picture\n\n{opening(results)}"
