@@ -65,6 +65,18 @@ Progress progress_bar(const Globals& globals, std::string what) {
     };
 }
 
+CLI::Option* add_length(CLI::App& to, const std::string& name, std::optional<Length>& length,
+                        const std::string& description) {
+    const auto parse = [name, &length](const std::string& text) {
+        const bool of_diagonal = text.size() > 1 && text.back() == 'd';
+        double value = 0;
+        if (!CLI::detail::lexical_cast(text.substr(0, text.size() - of_diagonal), value))
+            throw CLI::ConversionError(text, name);
+        length = Length{value, of_diagonal};
+    };
+    return to.add_option_function<std::string>(name, parse, description)->type_name("FLOAT");
+}
+
 std::string shown(double value) {
     return fmt::format("{:.6g}", value);
 }

@@ -65,6 +65,16 @@ void add_shard(Program& program);
 void add_merge(Program& program);
 void add_view(Program& program);
 
+/// In data units, or with a d behind it in diagonals of the box of a mesh.
+struct Length {
+    double value = 0;
+    bool of_diagonal = false;
+
+    friend bool operator==(const Length&, const Length&) = default;
+};
+CLI::Option* add_length(CLI::App& to, const std::string& name, std::optional<Length>& length,
+                        const std::string& description);
+
 /// A bar on standard error, on a terminal only, unless quiet; cancels on Ctrl-C.
 [[nodiscard]] Progress progress_bar(const Globals& globals, std::string what);
 /// Ctrl-C and termination ask the running verb to stop, so that it leaves nothing behind.

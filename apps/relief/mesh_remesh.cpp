@@ -37,19 +37,24 @@ void RemeshFlags::add_to(CLI::App& verb) {
     verb.add_option("--features", features,
                     "remeshing: edges that turn by more than so many degrees stay sharp; 40 for "
                     "machine parts. Default: none, which is best for scans");
-    verb.add_option(
-        "--tolerance", tolerance,
-        "remeshing: the largest distance between the surfaces, as a fraction of the "
-        "diagonal of IN; default: 0.002, with goals 10 times an RMS error or 0.6 times a "
-        "largest one");
+    add_length(verb, "--tolerance", tolerance,
+               "remeshing: the largest distance between the surfaces, in data units, or with a d "
+               "in diagonals of IN; default: 0.002d, with goals 10 times an RMS error or 0.6 times "
+               "a largest one");
 }
 
 Result<remesh::Remeshed> RemeshFlags::run(const PolygonMesh& mesh, int levels, double otherwise,
                                           const Globals& globals) const {
+    double fraction = otherwise;
+    if (tolerance) {
+        const double diagonal = diagonal_of(mesh);
+        const bool relative = tolerance->of_diagonal || !(diagonal > 0);
+        fraction = relative ? tolerance->value : tolerance->value / diagonal;
+    }
     return remesh::remesh(mesh, {.base_faces = base,
                                  .levels = levels < 0 ? std::nullopt : std::optional(levels),
                                  .feature_degrees = features,
-                                 .tolerance = tolerance.value_or(otherwise),
+                                 .tolerance = fraction,
                                  .progress = progress_bar(globals, "remeshing")});
 }
 
@@ -70,14 +75,21 @@ Json remesh_json(const remesh::Remeshed& remeshed) {
 
 std::string remesh_text(const remesh::Remeshed& remeshed) {
     const remesh::RemeshReport& report = remeshed.report;
-    return fmt::format(
-        "remeshed: {} vertices, {} faces; {} levels over {} faces; quality {:.2f}, {} flips\n"
-        "surfaces: rms distance {} ({:.2g} of the diagonal), max {} ({:.2g}) at ({}, {}, {})\n",
-        grouped(static_cast<std::int64_t>(remeshed.mesh.vertices.size())),
-        grouped(remeshed.mesh.polygon_count()), report.levels, grouped(report.base_faces),
-        report.quality, report.flips, shown(report.rms_error), report.rms_error / report.diagonal,
-        shown(report.max_error), report.max_error / report.diagonal, shown(report.worst[0]),
-        shown(report.worst[1]), shown(report.worst[2]));
+    const char* const few = report.vertices < remesh::kFewVertices
+                                ? "warning: few_vertices: the facets of so coarse a mesh count as "
+                                  "details; little is gained\n"
+                                : "";
+    return few + fmt::format(
+                     "remeshed: {} vertices, {} faces; {} levels over {} faces; quality {:.2f}, {} "
+                     "flips\n"
+                     "surfaces: rms distance {} ({:.2g} of the diagonal), max {} ({:.2g}) at ({}, "
+                     "{}, {})\n",
+                     grouped(static_cast<std::int64_t>(remeshed.mesh.vertices.size())),
+                     grouped(remeshed.mesh.polygon_count()), report.levels,
+                     grouped(report.base_faces), report.quality, report.flips,
+                     shown(report.rms_error), report.rms_error / report.diagonal,
+                     shown(report.max_error), report.max_error / report.diagonal,
+                     shown(report.worst[0]), shown(report.worst[1]), shown(report.worst[2]));
 }
 
 namespace {

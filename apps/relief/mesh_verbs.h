@@ -28,15 +28,18 @@ namespace relief::cli {
 struct RemeshFlags {
     std::optional<std::int64_t> base;
     std::optional<double> features;
-    std::optional<double> tolerance;
+    std::optional<Length> tolerance;
 
     void add_to(CLI::App& verb);
-    /// levels: -1: the library's choice. otherwise: the tolerance, if none was asked for.
+    /// levels: -1: the library's choice. otherwise: the tolerance as a fraction of the diagonal, if
+    /// none was asked for.
     [[nodiscard]] Result<remesh::Remeshed> run(const PolygonMesh& mesh, int levels,
                                                double otherwise, const Globals& globals) const;
 
     friend bool operator==(const RemeshFlags&, const RemeshFlags&) = default;
 };
+/// Of the box around the vertices.
+[[nodiscard]] double diagonal_of(const PolygonMesh& mesh);
 [[nodiscard]] Json remesh_json(const remesh::Remeshed& remeshed);
 [[nodiscard]] std::string remesh_text(const remesh::Remeshed& remeshed);
 

@@ -14,8 +14,8 @@ struct Encode {
     std::string in;
     std::string out;
     SchemeOptions scheme;
-    std::optional<double> max_error, rms_error, keep, bytes;
-    bool of_diagonal = false;  ///< max_error and rms_error are
+    std::optional<Length> max_error, rms_error;
+    std::optional<double> keep, bytes;
     bool lossless = false;
     int effort = 1;
     std::string profile = "dense";
@@ -28,12 +28,16 @@ struct Encode {
     bool remesh = false;
     RemeshFlags remesh_flags;
     ReferenceOptions reference;
+
+    [[nodiscard]] bool of_diagonal() const {
+        return (max_error && max_error->of_diagonal) || (rms_error && rms_error->of_diagonal);
+    }
 };
 
 Result<codec::Goal> goal_of(const Encode& options) {
     using Kind = codec::Goal::Kind;
-    if (options.max_error) return codec::Goal{Kind::MaxError, *options.max_error};
-    if (options.rms_error) return codec::Goal{Kind::RmsError, *options.rms_error};
+    if (options.max_error) return codec::Goal{Kind::MaxError, options.max_error->value};
+    if (options.rms_error) return codec::Goal{Kind::RmsError, options.rms_error->value};
     if (options.keep) return codec::Goal{Kind::Keep, *options.keep};
     if (options.bytes) return codec::Goal{Kind::Bytes, *options.bytes};
     return codec::Goal{Kind::Lossless, 0};
@@ -88,7 +92,7 @@ MeshEncodeVerb mesh_verb(const Encode& options, const codec::Goal& goal) {
             options.repair,
             options.alpha,
             options.lift,
-            options.of_diagonal,
+            options.of_diagonal(),
             options.remesh ? std::optional(options.remesh_flags) : std::nullopt};
 }
 
@@ -113,7 +117,7 @@ Status check_no_mesh_options(const Encode& options) {
     const auto refuse = [](const char* why) { return Error{ErrorCode::InvalidArgument, why, ""}; };
     if (options.alpha || !options.lift.empty())
         return refuse("--alpha and --lift are for subdivision surfaces");
-    if (options.of_diagonal)
+    if (options.of_diagonal())
         return refuse("errors in diagonals (1e-4d) are for subdivision surfaces");
     if (options.surface)
         return refuse(
@@ -190,23 +194,6 @@ Result<Outcome> run(const Encode& options, const Globals& globals) {
     return outcome;
 }
 
-/// An option for a number, which may have a d behind it.
-void add_length(CLI::Option_group& group, const std::string& name, std::optional<double>& length,
-                bool& of_diagonal, const std::string& description) {
-    group
-        .add_option_function<std::string>(
-            name,
-            [name, &length, &of_diagonal](const std::string& text) {
-                of_diagonal = text.size() > 1 && text.back() == 'd';
-                double value = 0;
-                if (!CLI::detail::lexical_cast(text.substr(0, text.size() - of_diagonal), value))
-                    throw CLI::ConversionError(text, name);
-                length = value;
-            },
-            description)
-        ->type_name("FLOAT");
-}
-
 }  // namespace
 
 void add_encode(Program& program) {
@@ -230,10 +217,10 @@ void add_encode(Program& program) {
     options->scheme.add_to(*verb);
     CLI::Option_group* goal =
         verb->add_option_group("Goal", "one of these; without one the file is lossless");
-    add_length(*goal, "--max-error", options->max_error, options->of_diagonal,
+    add_length(*goal, "--max-error", options->max_error,
                "largest error of any sample or vertex, in data units, or for meshes with a d in "
                "diagonals (1e-4d); verified");
-    add_length(*goal, "--rms-error", options->rms_error, options->of_diagonal,
+    add_length(*goal, "--rms-error", options->rms_error,
                "largest root mean square error, in data units, or diagonals");
     goal->add_option("--keep", options->keep,
                      "only threshold: keep this many coefficients, in per cent of the samples");

@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "relief/mesh/closest.h"
-
 namespace relief::codec {
 
 MeshMeasure::MeshMeasure(const PolygonMesh& mesh, const MeshPoints& points, const MeshOrder& order,
                          MeshDistance distance, const PolygonMesh* original)
     : points_(points), order_(order), distance_(distance), original_(original) {
-    if (distance == MeshDistance::Surface)
-        shape_ = {.vertices = mesh.vertices, .offsets = mesh.offsets, .corners = mesh.corners};
+    if (distance != MeshDistance::Surface) return;
+    shape_ = {.vertices = mesh.vertices, .offsets = mesh.offsets, .corners = mesh.corners};
+    tree_.emplace(mesh::fan_triangles(original ? *original : shape_));
 }
 
 MeshErrors MeshMeasure::operator()(const MeshPoints& decoded, std::int64_t samples) const {
@@ -29,7 +28,7 @@ MeshErrors MeshMeasure::operator()(const MeshPoints& decoded, std::int64_t sampl
         other.vertices[order_.vertices[v]] = {decoded[v].x, decoded[v].y, decoded[v].z};
     // Both have faces, without which there would be no distance.
     const mesh::SurfaceDistance distance =
-        *mesh::surface_distance(original_ ? *original_ : shape_, other, samples);
+        *mesh::surface_distance(original_ ? *original_ : shape_, *tree_, other, samples);
     errors.max = distance.largest();
     errors.rms = distance.rms();
     return errors;

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <optional>
+
 #include "codec/mesh_extras.h"
 #include "codec/mesh_synthesis.h"
 #include "relief/codec/mesh_codec.h"
+#include "relief/mesh/closest.h"
 
 /// How far decoded meshes are off.
 namespace relief::codec {
@@ -37,6 +40,7 @@ class MeshMeasure {
     MeshDistance distance_;
     PolygonMesh shape_;  ///< the mesh without what is not its shape
     const PolygonMesh* original_;
+    std::optional<mesh::TriangleTree> tree_;  ///< of what distances by surface are measured from
 };
 
 }  // namespace relief::codec

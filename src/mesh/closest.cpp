@@ -44,15 +44,17 @@ Point closest_on(const Corners& t, const Point& p) {
     const double foot = dot(t[2] - t[0], base) / base2;
     const Point height = (t[2] - t[0]) - foot * base;
     const double height2 = squared_length(height);
+    std::array<bool, 3> sees = {true, true, true};  // which sides p is beyond
     if (height2 > 0) {
         const double along = dot(p - t[0], base) / base2;
         const double up = dot(p - t[0], height) / height2;
-        const bool inside = up >= 0 && along >= up * foot && 1 - along >= up * (1 - foot);
-        if (inside) return t[0] + along * base + up * height;
+        sees = {!(up >= 0), !(1 - along >= up * (1 - foot)), !(along >= up * foot)};
+        if (!sees[0] && !sees[1] && !sees[2]) return t[0] + along * base + up * height;
     }
     Point best = t[0];
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < 3; ++k) {
+        if (!sees[k]) continue;
         const Point q = closest_on_segment(t[k], t[(k + 1) % 3], p);
         const double square = squared_length(p - q);
         if (square >= least) continue;
@@ -120,24 +122,24 @@ TriangleTree::TriangleTree(const std::vector<FanTriangle>& triangles) {
         };
         items[k] = {{middle(a.x, b.x, c.x), middle(a.y, b.y, c.y), middle(a.z, b.z, c.z)}, k};
     }
-    triangles_ = triangles;
-    for (FanTriangle& triangle : triangles_) triangle.corners = longest_first(triangle.corners);
     nodes_.reserve(triangles.size());
-    build(items, 0, static_cast<Index>(items.size()));
-    std::vector<FanTriangle> sorted;
-    sorted.reserve(items.size());
-    for (const Item& item : items) sorted.push_back(triangles_[item.triangle]);
-    triangles_ = std::move(sorted);
+    build(triangles, items, 0, static_cast<Index>(items.size()));
+    triangles_.reserve(items.size());
+    for (const Item& item : items) {
+        const auto& [corners, face] = triangles[item.triangle];
+        triangles_.push_back({longest_first(corners), face});
+    }
 }
 
 /// Halves the items across the longest side of the box of their centres.
-void TriangleTree::build(std::vector<Item>& items, Index begin, Index end) {
+void TriangleTree::build(const std::vector<FanTriangle>& triangles, std::vector<Item>& items,
+                         Index begin, Index end) {
     const std::size_t self = nodes_.size();
     nodes_.push_back({{}, begin, end, 0});
     Box box;
     if (end - begin <= kLeafTriangles) {
         for (Index k = begin; k < end; ++k)
-            for (const Point& p : triangles_[items[k].triangle].corners)
+            for (const Point& p : triangles[items[k].triangle].corners)
                 box.include(std::array{p.x, p.y, p.z});
         nodes_[self].box = box;
         return;
@@ -153,9 +155,9 @@ void TriangleTree::build(std::vector<Item>& items, Index begin, Index end) {
                          return a.centre[axis] != b.centre[axis] ? a.centre[axis] < b.centre[axis]
                                                                  : a.triangle < b.triangle;
                      });
-    build(items, begin, middle);
+    build(triangles, items, begin, middle);
     const std::size_t second = nodes_.size();
-    build(items, middle, end);
+    build(triangles, items, middle, end);
     box.include(nodes_[self + 1].box);
     box.include(nodes_[second].box);
     nodes_[self].box = box;
@@ -163,14 +165,25 @@ void TriangleTree::build(std::vector<Item>& items, Index begin, Index end) {
 }
 
 SurfacePoint TriangleTree::closest(const Point& p, double enough) const {
+    const SurfacePoint first{triangles_[0].corners[0], 0, triangles_[0].face, 0};
+    return search(first, squared_length(p - first.point), p, enough);
+}
+
+SurfacePoint TriangleTree::closest_from(Index first, const Point& p, double enough) const {
+    const FanTriangle& triangle = triangles_[first];
+    const Point q = closest_on(triangle.corners, p);
+    return search({q, 0, triangle.face, first}, squared_length(p - q), p, enough);
+}
+
+/// From what is known, which is at the squared distance `least`.
+SurfacePoint TriangleTree::search(SurfacePoint best, double least, const Point& p,
+                                  double enough) const {
     struct Waiting {
         Index node;
         double bound;
     };
     std::array<Waiting, kMostDepth> stack;
     std::size_t waiting = 0;
-    SurfacePoint best{triangles_[0].corners[0], 0, triangles_[0].face};
-    double least = squared_length(p - best.point);
     Index node = 0;
     double bound = 0;
     while (least > enough * enough) {
@@ -190,7 +203,7 @@ SurfacePoint TriangleTree::closest(const Point& p, double enough) const {
                 const double square = squared_length(p - q);
                 if (square >= least) continue;
                 least = square;
-                best = {q, 0, triangles_[k].face};
+                best = {q, 0, triangles_[k].face, k};
             }
         }
         if (waiting == 0) break;

@@ -12,7 +12,7 @@ using Point = Vec3<double>;
 
 constexpr std::int64_t kGrain = 256;
 
-/// Points spread evenly over the area of triangles: equal steps of area along the list of
+/// Points spread evenly over the area of triangles: equal steps of area along a list of
 /// triangles, and within these the sequence of Roberts (2018) that continues the golden ratio to
 /// the plane.
 class AreaSamples {
@@ -69,9 +69,12 @@ Measured measured(std::int64_t count, const TriangleTree& surface, double enough
     std::vector<Measured> blocks(static_cast<std::size_t>((count + kGrain - 1) / kGrain));
     parallel_for(0, count, kGrain, [&](std::int64_t first, std::int64_t end) {
         Measured block;
+        Index near = 0;
         for (std::int64_t k = first; k < end; ++k) {
             const Point p = point(k);
-            const double distance = surface.closest(p, enough).distance;
+            const SurfacePoint closest = surface.closest_from(near, p, enough);
+            near = closest.triangle;
+            const double distance = closest.distance;
             block.squares += distance * distance;
             if (distance > block.largest) block = {block.squares, distance, p};
         }
@@ -96,9 +99,10 @@ std::vector<Point> used_vertices(const PolygonMesh& mesh) {
     return points;
 }
 
-DirectedDistance directed(const PolygonMesh& mesh, const std::vector<FanTriangle>& triangles,
+/// tree: of the mesh.
+DirectedDistance directed(const PolygonMesh& mesh, const TriangleTree& tree,
                           const TriangleTree& surface, std::int64_t samples) {
-    const AreaSamples sample(triangles, samples);
+    const AreaSamples sample(tree.triangles(), samples);
     const Measured even = measured(samples, surface, 0, [&](std::int64_t k) { return sample[k]; });
     const std::vector<Point> vertices = used_vertices(mesh);
     const Measured corners =
@@ -120,26 +124,33 @@ double SurfaceDistance::rms() const {
 
 Result<SurfaceDistance> surface_distance(const PolygonMesh& a, const PolygonMesh& b,
                                          std::int64_t samples) {
+    return surface_distance(a, TriangleTree(fan_triangles(a)), b, samples);
+}
+
+Result<SurfaceDistance> surface_distance(const PolygonMesh& a, const TriangleTree& tree_of_a,
+                                         const PolygonMesh& b, std::int64_t samples) {
     for (const PolygonMesh* mesh : {&a, &b})
         if (mesh->polygon_count() == 0)
             return Error{ErrorCode::BadInput, "empty_mesh: it has no polygon to measure",
                          mesh == &a ? "the first mesh" : "the second mesh"};
-    const std::vector<FanTriangle> triangles_of_a = fan_triangles(a);
-    const std::vector<FanTriangle> triangles_of_b = fan_triangles(b);
-    return SurfaceDistance{directed(a, triangles_of_a, TriangleTree(triangles_of_b), samples),
-                           directed(b, triangles_of_b, TriangleTree(triangles_of_a), samples)};
+    const TriangleTree tree_of_b(fan_triangles(b));
+    return SurfaceDistance{directed(a, tree_of_a, tree_of_b, samples),
+                           directed(b, tree_of_b, tree_of_a, samples)};
 }
 
 std::vector<double> vertex_distances(const PolygonMesh& mesh, const TriangleTree& surface) {
     std::vector<double> distances(mesh.vertices.size());
-    parallel_for(0, static_cast<std::int64_t>(distances.size()), kGrain,
-                 [&](std::int64_t first, std::int64_t end) {
-                     for (auto v = static_cast<std::size_t>(first);
-                          v < static_cast<std::size_t>(end); ++v) {
-                         const auto& p = mesh.vertices[v];
-                         distances[v] = surface.closest({p[0], p[1], p[2]}).distance;
-                     }
-                 });
+    parallel_for(
+        0, static_cast<std::int64_t>(distances.size()), kGrain,
+        [&](std::int64_t first, std::int64_t end) {
+            Index near = 0;
+            for (auto v = static_cast<std::size_t>(first); v < static_cast<std::size_t>(end); ++v) {
+                const auto& p = mesh.vertices[v];
+                const SurfacePoint closest = surface.closest_from(near, {p[0], p[1], p[2]});
+                near = closest.triangle;
+                distances[v] = closest.distance;
+            }
+        });
     return distances;
 }
 

@@ -34,7 +34,8 @@ struct FaceSums {
     Weights distances{};
 };
 
-FaceSums sums_of(const MovingMesh& mesh, const mesh::TriangleTree& surface, Index f) {
+/// near: a triangle of the tree where to begin, and the one that was closest last.
+FaceSums sums_of(const MovingMesh& mesh, const mesh::TriangleTree& surface, Index f, Index& near) {
     FaceSums sums;
     const Index* v = mesh.corners.data() + 3 * f;
     const std::array<Point, 3> p = {mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]]};
@@ -43,7 +44,8 @@ FaceSums sums_of(const MovingMesh& mesh, const mesh::TriangleTree& surface, Inde
     const Point normal = unit(doubled);
     for (const Weights& w : kSamples) {
         const Point sample = w[0] * p[0] + w[1] * p[1] + w[2] * p[2];
-        const mesh::SurfacePoint closest = surface.closest(sample);
+        const mesh::SurfacePoint closest = surface.closest_from(near, sample);
+        near = closest.triangle;
         if (dot(mesh.surface->face_normals[closest.face], normal) < kLeastTurn) continue;
         const double distance = dot(closest.point - sample, normal);
         for (std::size_t k = 0; k < 3; ++k) {
@@ -77,8 +79,9 @@ void fit(MovingMesh& mesh, const mesh::TriangleTree& surface, int rounds) {
     for (int round = 0; round < rounds; ++round) {
         parallel_for(0, static_cast<std::int64_t>(sums.size()), kGrain,
                      [&](std::int64_t begin, std::int64_t end) {
+                         Index near = 0;
                          for (auto f = static_cast<Index>(begin); f < end; ++f)
-                             sums[f] = sums_of(mesh, surface, f);
+                             sums[f] = sums_of(mesh, surface, f, near);
                      });
         for (Index v = 0; v < mesh.points.size(); ++v) {
             if (mesh.fixed[v]) continue;

@@ -33,15 +33,18 @@ constexpr std::array<std::array<double, 3>, 7> kSamples = {{{1.0 / 3, 1.0 / 3, 1
 constexpr int kNearRounds = 4;
 constexpr std::int64_t kGrain = 256;
 
-/// Of the farthest of them; nothing below `enough` matters.
+/// Of the farthest of them; nothing below `enough` matters. near: a triangle of the tree where to
+/// begin, and the one that was closest last.
 double distance_of(const MovingMesh& mesh, const mesh::TriangleTree& tree, Index face,
-                   double enough) {
+                   double enough, Index& near) {
     const Index* v = mesh.corners.data() + 3 * face;
     double most = enough;
     for (const auto& w : kSamples) {
         const Vec3<double> sample =
             w[0] * mesh.points[v[0]] + w[1] * mesh.points[v[1]] + w[2] * mesh.points[v[2]];
-        most = std::max(most, tree.closest(sample, enough).distance);
+        const mesh::SurfacePoint closest = tree.closest_from(near, sample, enough);
+        near = closest.triangle;
+        most = std::max(most, closest.distance);
     }
     return most;
 }
@@ -52,9 +55,10 @@ std::vector<Index> far_faces(const MovingMesh& mesh, const mesh::TriangleTree& t
     std::vector<std::uint8_t> is_far(faces.size());
     parallel_for(0, static_cast<std::int64_t>(faces.size()), kGrain,
                  [&](std::int64_t begin, std::int64_t end) {
+                     Index near = 0;
                      for (auto k = static_cast<std::size_t>(begin);
                           k < static_cast<std::size_t>(end); ++k)
-                         is_far[k] = distance_of(mesh, tree, faces[k], tolerance) > tolerance;
+                         is_far[k] = distance_of(mesh, tree, faces[k], tolerance, near) > tolerance;
                  });
     std::vector<Index> far;
     for (std::size_t k = 0; k < faces.size(); ++k)
@@ -133,6 +137,7 @@ std::size_t pin_far_vertices(MovingMesh& mesh, double tolerance) {
 void draw_near(MovingMesh& mesh, const mesh::TriangleTree& tree, double tolerance) {
     std::vector<Index> faces(mesh.face_count());
     std::iota(faces.begin(), faces.end(), Index{0});
+    Index closest = 0;
     for (int round = 0; round < kNearRounds; ++round) {
         const std::vector<Index> near = mesh.around(far_faces(mesh, tree, faces, tolerance));
         faces.clear();
@@ -143,7 +148,7 @@ void draw_near(MovingMesh& mesh, const mesh::TriangleTree& tree, double toleranc
                 if (mesh.worst_fit(v) < least) return -HUGE_VAL;
                 double most = 0;
                 for (const Index c : mesh.corners_at(v))
-                    most = std::max(most, distance_of(mesh, tree, c / 3, tolerance));
+                    most = std::max(most, distance_of(mesh, tree, c / 3, tolerance, closest));
                 return -most;
             });
             for (const Index c : mesh.corners_at(v))

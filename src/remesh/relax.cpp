@@ -115,9 +115,11 @@ Reverse distances_from(const MovingMesh& mesh) {
     Reverse reverse{std::vector<double>(points.size()), std::vector<Index>(points.size())};
     parallel_for(0, static_cast<std::int64_t>(points.size()), kGrain,
                  [&](std::int64_t begin, std::int64_t end) {
+                     Index near = 0;
                      for (auto v = static_cast<std::size_t>(begin);
                           v < static_cast<std::size_t>(end); ++v) {
-                         const mesh::SurfacePoint closest = tree.closest(points[v]);
+                         const mesh::SurfacePoint closest = tree.closest_from(near, points[v]);
+                         near = closest.triangle;
                          reverse.distances[v] = closest.distance;
                          reverse.faces[v] = closest.face;
                      }
@@ -129,11 +131,14 @@ std::vector<double> errors_at_vertices(const MovingMesh& mesh, const mesh::Trian
     std::vector<double> of_face(mesh.face_count());
     parallel_for(0, static_cast<std::int64_t>(of_face.size()), kGrain,
                  [&](std::int64_t begin, std::int64_t end) {
+                     Index near = 0;
                      for (auto f = static_cast<Index>(begin); f < end; ++f) {
                          const Index* v = mesh.corners.data() + 3 * f;
                          const Point centre =
                              1.0 / 3 * (mesh.points[v[0]] + mesh.points[v[1]] + mesh.points[v[2]]);
-                         of_face[f] = tree.closest(centre).distance;
+                         const mesh::SurfacePoint closest = tree.closest_from(near, centre);
+                         near = closest.triangle;
+                         of_face[f] = closest.distance;
                      }
                  });
     const Reverse reverse = distances_from(mesh);

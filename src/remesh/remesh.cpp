@@ -54,6 +54,8 @@ constexpr double kHopeless = 1.25;
 constexpr int kAlignRounds = 7;
 constexpr int kAlignments = 3;
 constexpr int kFits = 1;
+/// Of so many boundaries a failure speaks.
+constexpr std::int64_t kManyBoundaries = 16;
 /// What is nearly too far in the end is brought nearer once more.
 constexpr int kLastRounds = 2;
 constexpr double kLastBeyond = 0.9;
@@ -83,6 +85,18 @@ int default_levels(double faces, bool part) {
     return levels;
 }
 
+std::int64_t boundary_count(const mesh::Topology& mesh) {
+    const Buffer<Index> out = mesh::outgoing(mesh);
+    std::vector<std::uint8_t> seen(mesh.half_edge_count(), 0);
+    std::int64_t count = 0;
+    for (Index first = 0; first < mesh.half_edge_count(); ++first) {
+        if (!mesh.on_boundary(first) || seen[first]) continue;
+        ++count;
+        for (Index h = first; !std::exchange(seen[h], 1);) h = out[mesh.target(h)];
+    }
+    return count;
+}
+
 /// A number for people.
 std::string text_of(double value) {
     std::array<char, 32> text{};
@@ -95,11 +109,6 @@ struct Candidate {
     MovingMesh mesh;
     mesh::SurfaceDistance distance;  ///< in units of the diagonal
     std::vector<Index> flips;
-
-    [[nodiscard]] bool better_than(const Candidate& other) const {
-        if (flips.empty() != other.flips.empty()) return flips.empty();
-        return distance.largest() < other.distance.largest();
-    }
 };
 
 class Remesher {
@@ -154,13 +163,20 @@ class Remesher {
         return candidate.flips.empty() && candidate.distance.largest() <= options_.tolerance;
     }
 
+    /// Than the best so far.
+    [[nodiscard]] bool better(const mesh::SurfaceDistance& distance,
+                              const std::vector<Index>& flips) const {
+        if (flips.empty() != best_->flips.empty()) return flips.empty();
+        return distance.largest() < best_->distance.largest();
+    }
+
     /// Measures a mesh; true: it is the best so far.
     Result<bool> measure(const MovingMesh& mesh) {
         RELIEF_TRY(auto distance,
-                   mesh::surface_distance(shape_, shape_of(mesh.points, mesh.corners)));
-        Candidate candidate{mesh, distance, mesh.flips()};
-        if (best_ && !candidate.better_than(*best_)) return false;
-        best_ = std::move(candidate);
+                   mesh::surface_distance(shape_, tree_, shape_of(mesh.points, mesh.corners)));
+        const std::vector<Index> flips = mesh.flips();
+        if (best_ && !better(distance, flips)) return false;
+        best_ = Candidate{mesh, distance, flips};
         return true;
     }
 
@@ -288,8 +304,17 @@ class Remesher {
                      "tolerance_not_met: the surfaces are " + text_of(worst().largest) +
                          " of the diagonal apart there, more than " + text_of(options_.tolerance) +
                          "; take more base faces or levels, or a larger tolerance; machine parts "
-                         "need --features 40",
+                         "need --features 40" +
+                         advice_on_holes(),
                      place(worst().farthest)};
+    }
+
+    /// Each boundary keeps three vertices of the base at least.
+    [[nodiscard]] std::string advice_on_holes() const {
+        const std::int64_t boundaries = boundary_count(surface_.mesh);
+        if (boundaries < kManyBoundaries) return "";
+        return "; its " + std::to_string(boundaries) +
+               " boundaries keep the base fine and its triangles thin: fill small holes first";
     }
 
     Result<Remeshed> finish(int steps) {
@@ -300,6 +325,7 @@ class Remesher {
         result.base = polygons(hierarchy, 0);
         take_attributes(mesh_, best_->mesh, result.mesh);
         RemeshReport& report = result.report;
+        report.vertices = static_cast<std::int64_t>(surface_.points.size());
         report.base_faces = hierarchy.topology(0).face_count;
         report.levels = steps;
         report.diagonal = surface_.diagonal;

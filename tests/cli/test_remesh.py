@@ -159,28 +159,67 @@ class Remesh(Meshes):
         points, faces = scan(10)
         turned = [faces[0][::-1]] + faces[1:]
         self.refuse(1, "remesh", self.mesh((points, turned)), out, says=("non_manifold_edge", "face", "--repair"))
-        self.json("remesh", self.mesh((points, turned)), out, "--repair", "--tolerance", 0.02)
+        self.json("remesh", self.mesh((points, turned)), out, "--repair", "--tolerance", "0.02d")
         crowded = faces + [(faces[0][0], faces[0][1], 57)]
         self.refuse(1, "remesh", self.mesh((points, crowded)), out, says=("non_manifold", "face"))
         flat = [(p[0], 0, 0) for p in points]
         self.refuse(1, "remesh", self.mesh((flat, faces)), out, says="no_area")
         self.refuse(1, "remesh", self.mesh(([(0, 0, 0)], [])), out, says="empty_mesh")
         self.refuse(1, "remesh", self.mesh(scan(30)), self.path("no.ply"), "--base", 8, "--levels", 0,
-                    "--tolerance", 1e-5, says=("tolerance_not_met", "of the diagonal"))
+                    "--tolerance", "1e-5d", says=("tolerance_not_met", "of the diagonal"))
         self.assertFalse(os.path.exists(self.path("no.ply")))
+
+    def test_numbers_that_are_none_are_named(self):
+        points, faces = scan(10)
+        for bad in ("nan", "inf", "1e400"):
+            path = self.path("bad.obj")
+            with open(path, "w", encoding="ascii") as file:
+                file.writelines("v {} {} {}\n".format(*(p if k != 7 else (bad, 0, 0))) for k, p in enumerate(points))
+                file.writelines("f {} {} {}\n".format(*(c + 1 for c in f)) for f in faces)
+            self.refuse(1, "remesh", path, self.path("no.ply"), says=("bad.obj", "line 8"))
+        with open(path, "a", encoding="ascii") as file:
+            file.write(f"f 1 2 {2**31}\n")
+        self.refuse(1, "remesh", path, self.path("no.ply"), says="bad.obj")
+
+    def test_components_of_all_sizes(self):
+        points, faces = scan(24)
+        small = [tuple(0.02 * x + 9 for x in p) for p in points]
+        speck = [(20, 20, 20), (20.001, 20, 20), (20, 20.001, 20), (20, 20, 20.001)]
+        first, last = len(points), 2 * len(points)
+        both = faces + [tuple(c + first for c in f) for f in faces]
+        both += [(last, last + 2, last + 1), (last, last + 1, last + 3), (last + 1, last + 2, last + 3),
+                 (last, last + 3, last + 2)]
+        out, report = self.remeshed((points + small + speck, both))
+        self.assertEqual(report["flips"], 0)
+        self.assertLess(report["max_error"], 2e-3 * report["diagonal"])
+        vertices, _ = read_obj(out)
+        places = [np.linalg.norm(vertices - where, axis=1) for where in ((0, 0, 0), (9, 9, 9), (20, 20, 20))]
+        self.assertEqual(sorted(set(np.argmin(places, axis=0))), [0, 1, 2])
+
+    def test_a_surface_that_meets_itself(self):
+        # Two sheets at one place, facing apart: nothing tells them from each other but walking.
+        points, faces = scan(24)
+        first = len(points)
+        sheets = (points + points, faces + [tuple(c + first for c in f[::-1]) for f in faces])
+        _, report = self.remeshed(sheets, "--tolerance", "0.01d")
+        self.assertEqual(report["flips"], 0)
+
+    def test_few_vertices_are_warned_of(self):
+        said = self.text("remesh", self.mesh(scan(20)), self.path("few.ply"), "--tolerance", "0.02d")
+        self.assertIn("warning: few_vertices", said)
 
     def test_degenerate_faces_do_no_harm(self):
         points, faces = scan(20)
         points = [list(p) for p in points]
         for k in range(0, 400, 37):
             points[k] = list(points[k + 1])  # edges without length, faces without area
-        _, report = self.remeshed((points, faces), "--tolerance", 0.02)
+        _, report = self.remeshed((points, faces), "--tolerance", "0.02d")
         self.assertEqual(report["flips"], 0)
 
     def test_thousands_of_holes(self):
         points, faces = scan(40)
         holed = [f for k, f in enumerate(faces) if k % 9]
-        _, report = self.remeshed((points, holed), "--repair", "--tolerance", 0.03)
+        _, report = self.remeshed((points, holed), "--repair", "--tolerance", "0.03d")
         self.assertEqual(report["flips"], 0)
 
     def test_wrong_usage(self):
@@ -190,6 +229,7 @@ class Remesh(Meshes):
         self.refuse(2, "encode", path, out, "--remesh", "--rms-error", 0.1, "--scheme", "sqrt3", says="loop")
         self.refuse(2, "encode", path, out, "--remesh", "--rms-error", "1e-4x", says="1e-4x")
         self.refuse(2, "remesh", path, self.path("o.ply"), "--tolerance", 0, says="tolerance")
+        self.refuse(2, "remesh", path, self.path("o.ply"), "--tolerance", "1x", says="1x")
         self.refuse(2, "remesh", path, self.path("o.ply"), "--features", 190, says="180")
         self.refuse(1, "encode", self.mesh(scan(40)), out, "--remesh", "--rms-error", "1e-9d",
                     says="goal_out_of_reach")

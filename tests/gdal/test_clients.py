@@ -24,6 +24,7 @@ assert (layer.width(), layer.height()) == (90, 80)
 value, found = layer.dataProvider().sample(QgsPointXY(400000 + 30 * 10.5, 5200000 - 30 * 20.5), 1)
 assert found and value == float(sys.argv[2]), value
 assert len(layer.dataProvider().buildPyramidList()) > 0
+del layer
 application.exitQgis()
 """
 
@@ -65,7 +66,9 @@ class Clients(DriverCase):
 
     @unittest.skipUnless(importlib.util.find_spec("qgis"), "python3-qgis is not installed")
     def test_qgis(self):
-        done = subprocess.run([sys.executable, "-c", QGIS, self.file, str(self.original[20, 10])],
+        # It asks GDAL for statistics to choose colours, which keeps them beside files of any format.
+        self.side_files = [os.path.basename(self.file) + ".aux.xml"]
+        done = subprocess.run([sys.executable, "-c", QGIS, self.file, repr(float(self.original[20, 10]))],
                               capture_output=True, text=True, timeout=120, check=False,
                               env={**os.environ, "QT_QPA_PLATFORM": "offscreen"})
         self.assertEqual(done.returncode, 0, done.stderr)

@@ -143,6 +143,12 @@ RC_GTEST_PROP(ClosestProperty, LikeAskingEveryTriangle, ()) {
         const SurfacePoint near = tree.closest(p, enough);
         RC_ASSERT(near.distance == least || (near.distance > least && near.distance <= enough));
         RC_ASSERT(length(p - near.point) == near.distance);
+        const SurfacePoint from = tree.closest_from(found.triangle, p);
+        RC_ASSERT(from.distance == least && from.triangle == found.triangle);
+        const auto any = static_cast<Index>(static_cast<std::size_t>(k) % triangles.size());
+        const SurfacePoint far = tree.closest_from(any, p);
+        RC_ASSERT(far.distance == least);
+        RC_ASSERT(length(p - closest_point(triangles[far.face].corners, p)) == least);
     }
 }
 

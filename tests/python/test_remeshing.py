@@ -26,7 +26,7 @@ def bumpy_ring(rows=30):
 def test_it_is_that_of_the_program(program, tmp_path):
     scan = bumpy_ring()
     relief.write(tmp_path / "scan.ply", scan)
-    told = program("remesh", tmp_path / "scan.ply", tmp_path / "out.ply", "--levels", 2, "--tolerance", 0.005)
+    told = program("remesh", tmp_path / "scan.ply", tmp_path / "out.ply", "--levels", 2, "--tolerance", "0.005d")
     mesh, report = relief.remesh(*scan, levels=2, tolerance=0.005)
     expected = relief.read(tmp_path / "out.ply")
     assert np.array_equal(mesh.faces, expected.faces)

@@ -206,6 +206,46 @@ TEST(Remesh, SaysWhatCanNotBeDone) {
     EXPECT_EQ(code({.progress = [](double done) { return done < 0.1; }}), ErrorCode::Cancelled);
 }
 
+TEST(Remesh, SaysHowManyHolesThereAre) {
+    Shape holed{{}, test::bumpy_sphere(4, 0.3).points};
+    const Shape whole = test::bumpy_sphere(4, 0.3);
+    std::int64_t holes = 0;
+    std::vector<std::uint8_t> beside(whole.points.size(), 0);
+    for (std::size_t f = 0; f < whole.faces.size(); ++f) {
+        const auto c = whole.faces[f];
+        const bool free = !beside[c[0]] && !beside[c[1]] && !beside[c[2]] && f % 5 == 0;
+        if (free) {  // no two holes share a vertex
+            ++holes;
+            for (const mesh::Index v : c) beside[v] = 1;
+        } else {
+            holed.add({c[0], c[1], c[2]});
+        }
+    }
+    const auto result = remesh(test::polygons_of(holed), {.levels = 1, .tolerance = 1e-9});
+    ASSERT_FALSE(result.ok());
+    EXPECT_NE(result.error().message.find("its " + std::to_string(holes) + " boundaries"),
+              std::string::npos)
+        << result.error().text();
+}
+
+TEST(Remesh, PlaceAndSizeDoNotMatter) {
+    const PolygonMesh sphere = test::polygons_of(test::bumpy_sphere(4, 0.3));
+    const Remeshed plain = remeshed(sphere, {});
+    EXPECT_EQ(plain.report.vertices, static_cast<std::int64_t>(sphere.vertices.size()));
+    for (const auto& [scale, shift] :
+         {std::pair{0x1p-100, 0.0}, std::pair{0x1p200, 0.0}, std::pair{0x1p-3, 0x1p20}}) {
+        PolygonMesh moved = sphere;
+        for (auto& v : moved.vertices)
+            for (double& x : v) x = scale * x + shift;
+        const Remeshed result = remeshed(moved, {});
+        EXPECT_EQ(result.report.flips, 0);
+        EXPECT_LT(result.report.max_error, 2e-3 * result.report.diagonal);
+        EXPECT_NEAR(result.report.diagonal / scale, plain.report.diagonal,
+                    1e-8 * plain.report.diagonal)
+            << "coordinates near 2^20 are multiples of 2^-32";
+    }
+}
+
 /// A scan whose ears are lost when vertices are spread without regard to the surface.
 TEST(Remesh, EarsSurvive) {
     std::ifstream file(std::string(RELIEF_SHARED_DATA) + "/meshes/bunny00.off");

@@ -33,6 +33,7 @@ struct SurfacePoint {
     Vec3<double> point;
     double distance = 0;  ///< from where it was asked for
     Index face = 0;
+    Index triangle = 0;  ///< in the tree's own order: where to begin with a point nearby
 };
 
 /// Finds closest points by a tree of boxes. Immutable; several threads may ask.
@@ -42,10 +43,16 @@ class TriangleTree {
     explicit TriangleTree(const std::vector<FanTriangle>& triangles);
 
     [[nodiscard]] bool empty() const { return triangles_.empty(); }
+    /// Neighbours mostly follow each other; the longest side of each begins at corner 0.
+    [[nodiscard]] const std::vector<FanTriangle>& triangles() const { return triangles_; }
     /// The closest point of the surface, or any that is not farther than `enough`. Of several that
     /// are equally close it is always the same. Requires: not empty, p finite. Complexity: O(log n)
     /// for points near the surface, O(n) for the centre of a sphere.
     [[nodiscard]] SurfacePoint closest(const Vec3<double>& p, double enough = 0) const;
+    /// The same, faster where the triangle `first` of the tree is near p. Of several that are
+    /// equally close it may be another one.
+    [[nodiscard]] SurfacePoint closest_from(Index first, const Vec3<double>& p,
+                                            double enough = 0) const;
 
   private:
     static constexpr double kMost = std::numeric_limits<double>::infinity();
@@ -68,9 +75,12 @@ class TriangleTree {
     };
     struct Item;
 
-    void build(std::vector<Item>& items, Index begin, Index end);
+    void build(const std::vector<FanTriangle>& triangles, std::vector<Item>& items, Index begin,
+               Index end);
+    [[nodiscard]] SurfacePoint search(SurfacePoint best, double least, const Vec3<double>& p,
+                                      double enough) const;
 
-    std::vector<FanTriangle> triangles_;  ///< in the order of leaves, the longest side first
+    std::vector<FanTriangle> triangles_;  ///< in the order of leaves
     std::vector<Node> nodes_;
 };
 
@@ -95,6 +105,11 @@ struct SurfaceDistance {
 /// 1. Errors: BadInput `empty_mesh`. Complexity: O((n + samples) log n) for surfaces that are near
 /// each other. Source: mesh-codec-and-remesh.md, the head.
 [[nodiscard]] Result<SurfaceDistance> surface_distance(const PolygonMesh& a, const PolygonMesh& b,
+                                                       std::int64_t samples = 60000);
+/// The same, with the tree of a's fan_triangles.
+[[nodiscard]] Result<SurfaceDistance> surface_distance(const PolygonMesh& a,
+                                                       const TriangleTree& tree_of_a,
+                                                       const PolygonMesh& b,
                                                        std::int64_t samples = 60000);
 
 /// The distance of each vertex of a mesh from a surface. Requires: the mesh passes relief::check,

@@ -12,6 +12,9 @@
 /// meshes take. Source: mesh-codec-and-remesh.md sections 3 to 8; docs/remeshing.md.
 namespace relief::remesh {
 
+/// A mesh of fewer vertices gains little: its facets are details.
+inline constexpr std::int64_t kFewVertices = 5000;
+
 struct RemeshOptions {
     /// Of the base mesh, about: more where corners and features ask for them, or if the tolerance
     /// is not met otherwise. None: such that the result has as many faces as the mesh.
@@ -28,6 +31,7 @@ struct RemeshOptions {
 
 /// What was reached. Lengths are in the units of the mesh.
 struct RemeshReport {
+    std::int64_t vertices = 0;  ///< of the mesh that was given
     std::int64_t base_faces = 0;
     int levels = 0;
     double diagonal = 0;   ///< of the box of the mesh
