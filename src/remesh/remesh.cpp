@@ -129,13 +129,15 @@ class Remesher {
                                : default_levels(faces, options_.feature_degrees.has_value());
         const double base = options_.base_faces ? static_cast<double>(*options_.base_faces)
                                                 : std::ldexp(faces, -2 * levels);
+        bool is_new = true;
         for (const double factor : kBases) {
+            if (factor == 1 && !is_new) continue;
             // A finer base than the surface there is not.
             if (factor > 1 && factor * base >= faces) break;
             ++attempts_;
             RELIEF_CHECK(attempt(static_cast<Index>(std::min(factor * base, faces)), levels));
             if (is_good(*best_)) break;
-            lock_far(best_->mesh, 1);
+            is_new = lock_far(best_->mesh, 1) + lock_worst() > 0;
         }
         RELIEF_CHECK(check_result());
         return finish(levels);
@@ -227,6 +229,25 @@ class Remesher {
             surface_, reverse.distances, tolerances * options_.tolerance, kLocksApart, kLocks);
         const std::size_t before = locks_.size();
         locks_.insert(locks_.end(), far.begin(), far.end());
+        return locks_.size() - before;
+    }
+
+    /// So shall the vertices next to where the best mesh is farthest, which may be between
+    /// vertices.
+    std::size_t lock_worst() {
+        const std::size_t before = locks_.size();
+        for (const mesh::DirectedDistance* d : {&best_->distance.a_to_b, &best_->distance.b_to_a}) {
+            if (d->largest <= options_.tolerance) continue;
+            const mesh::SurfacePoint at = tree_.closest(d->farthest);
+            const auto corners = surface_.mesh.corners(at.face);
+            const Index next =
+                *std::min_element(corners.begin(), corners.end(), [&](Index v, Index u) {
+                    return length(surface_.points[v] - at.point) <
+                           length(surface_.points[u] - at.point);
+                });
+            if (std::find(locks_.begin(), locks_.end(), next) == locks_.end())
+                locks_.push_back(next);
+        }
         return locks_.size() - before;
     }
 
