@@ -99,10 +99,10 @@ std::vector<Point> used_vertices(const PolygonMesh& mesh) {
     return points;
 }
 
-/// tree: of the mesh.
-DirectedDistance directed(const PolygonMesh& mesh, const TriangleTree& tree,
-                          const TriangleTree& surface, std::int64_t samples) {
-    const AreaSamples sample(tree.triangles(), samples);
+DirectedDistance directed(const PolygonMesh& mesh, const TriangleTree& surface,
+                          std::int64_t samples) {
+    const std::vector<FanTriangle> triangles = fan_triangles(mesh);
+    const AreaSamples sample(triangles, samples);
     const Measured even = measured(samples, surface, 0, [&](std::int64_t k) { return sample[k]; });
     const std::vector<Point> vertices = used_vertices(mesh);
     const Measured corners =
@@ -134,8 +134,7 @@ Result<SurfaceDistance> surface_distance(const PolygonMesh& a, const TriangleTre
             return Error{ErrorCode::BadInput, "empty_mesh: it has no polygon to measure",
                          mesh == &a ? "the first mesh" : "the second mesh"};
     const TriangleTree tree_of_b(fan_triangles(b));
-    return SurfaceDistance{directed(a, tree_of_a, tree_of_b, samples),
-                           directed(b, tree_of_b, tree_of_a, samples)};
+    return SurfaceDistance{directed(a, tree_of_b, samples), directed(b, tree_of_a, samples)};
 }
 
 std::vector<double> vertex_distances(const PolygonMesh& mesh, const TriangleTree& surface) {

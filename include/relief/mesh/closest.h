@@ -43,8 +43,6 @@ class TriangleTree {
     explicit TriangleTree(const std::vector<FanTriangle>& triangles);
 
     [[nodiscard]] bool empty() const { return triangles_.empty(); }
-    /// Neighbours mostly follow each other; the longest side of each begins at corner 0.
-    [[nodiscard]] const std::vector<FanTriangle>& triangles() const { return triangles_; }
     /// The closest point of the surface, or any that is not farther than `enough`. Of several that
     /// are equally close it is always the same. Requires: not empty, p finite. Complexity: O(log n)
     /// for points near the surface, O(n) for the centre of a sphere.
@@ -80,7 +78,7 @@ class TriangleTree {
     [[nodiscard]] SurfacePoint search(SurfacePoint best, double least, const Vec3<double>& p,
                                       double enough) const;
 
-    std::vector<FanTriangle> triangles_;  ///< in the order of leaves
+    std::vector<FanTriangle> triangles_;  ///< in the order of leaves, the longest side first
     std::vector<Node> nodes_;
 };
 
