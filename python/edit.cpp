@@ -3,6 +3,7 @@
 #include "files.h"
 #include "relief/codec/container.h"
 #include "relief/codec/mesh_codec.h"
+#include "relief/core/json.h"
 #include "relief/edit/session.h"
 #include "relief/io/raster.h"
 
@@ -37,8 +38,9 @@ py::tuple tuple_of(const Vec3<double>& v) {
 
 nlohmann::json json_of(const py::handle& object) {
     // What Python writes is JSON, but for NaN and infinities, which no command has.
-    nlohmann::json json = nlohmann::json::parse(to_json(object), nullptr, false);
-    if (json.is_discarded()) raise_argument("commands have no NaN and no infinities");
+    nlohmann::json json = parse_json<nlohmann::json>(to_json(object));
+    if (json.is_discarded())
+        raise_argument("commands have no NaN, no infinities and nothing deep inside");
     return json;
 }
 

@@ -8,6 +8,7 @@
 #include "mesh_verbs.h"
 #include "ps_verbs.h"
 #include "quad_verbs.h"
+#include "relief/core/json.h"
 #include "relief/edit/session.h"
 #include "relief/io/file.h"
 #include "relief/io/raster.h"
@@ -267,7 +268,7 @@ Result<Outcome> run_commands(const Edit& options, const Script& script) {
 Result<Outcome> run(const Edit& options) {
     if (!options.script.empty()) {
         RELIEF_TRY(const auto bytes, io::read_file(options.script));
-        const Script script = Script::parse(bytes.begin(), bytes.end(), nullptr, false);
+        const Script script = parse_json<Script>(bytes);
         if (holds_commands(script)) return run_commands(options, script);
     }
     if (holds_quads(options.in) || holds_mesh(options.in) || holds_ps(options.in))
@@ -279,7 +280,7 @@ Result<Outcome> run(const Edit& options) {
 
 Result<Json> read_moves(const std::string& path) {
     RELIEF_TRY(const auto bytes, io::read_file(path));
-    Json script = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
+    Json script = parse_json<Json>(bytes);
     if (script.is_object() && script.contains("moves")) script = Json(script["moves"]);
     if (script.is_array()) return script;
     return Error{ErrorCode::BadInput, "is not JSON with a list of moves or commands", path};

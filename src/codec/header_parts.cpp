@@ -9,6 +9,7 @@
 #include "codec/json_reader.h"
 #include "codec/raster_header.h"
 #include "relief/codec/container.h"
+#include "relief/core/json.h"
 
 namespace relief::codec {
 
@@ -74,7 +75,7 @@ Status read_goal(const Json& json, Goal& goal) {
 
 Result<std::string> content_of(std::shared_ptr<const ByteSource> source) {
     RELIEF_TRY(const ContainerReader container, ContainerReader::open(std::move(source)));
-    const auto json = Json::parse(container.header(), nullptr, false);
+    const auto json = parse_json<Json>(container.header());
     if (!json.is_object()) return bad_header("the header is not a JSON object");
     JsonReader reader(json);
     auto content = reader.get<std::string>("content", "", true);

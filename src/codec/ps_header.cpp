@@ -9,6 +9,7 @@
 #include "codec/header_parts.h"
 #include "codec/json_reader.h"
 #include "codec/raster_header.h"
+#include "relief/core/json.h"
 
 namespace relief::codec {
 
@@ -189,7 +190,7 @@ std::string write_ps_header(const PsHeader& header) {
 }
 
 Result<PsHeader> read_ps_header(const std::string& text) {
-    const Json json = Json::parse(text, nullptr, false);
+    const Json json = parse_json<Json>(text);
     if (!json.is_object()) return bad_header("the header is not a JSON object");
     JsonReader reader(json);
     PsHeader header;

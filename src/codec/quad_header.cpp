@@ -6,6 +6,7 @@
 #include "codec/header_parts.h"
 #include "codec/json_reader.h"
 #include "codec/raster_header.h"
+#include "relief/core/json.h"
 
 namespace relief::codec {
 
@@ -44,7 +45,7 @@ std::string write_quad_header(const QuadHeader& header) {
 }
 
 Result<QuadHeader> read_quad_header(const std::string& text) {
-    const Json json = Json::parse(text, nullptr, false);
+    const Json json = parse_json<Json>(text);
     if (!json.is_object()) return bad_header("the header is not a JSON object");
     JsonReader reader(json);
     QuadHeader header;

@@ -7,6 +7,7 @@
 
 #include "codec/decimal.h"
 #include "codec/json_reader.h"
+#include "relief/core/json.h"
 
 namespace relief::codec {
 
@@ -310,7 +311,7 @@ std::string write_header(const RasterHeader& header) {
 }
 
 Result<RasterHeader> read_header(const std::string& text) {
-    return read_header(Json::parse(text, nullptr, false));
+    return read_header(parse_json<Json>(text));
 }
 
 Result<RasterHeader> read_header(const Json& json) {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "codec/json_reader.h"
+#include "relief/core/json.h"
 
 namespace relief::codec {
 
@@ -82,7 +83,7 @@ std::string write_shard_header(const ShardHeader& header) {
 }
 
 Result<ShardHeader> read_shard_header(const std::string& text) {
-    const Json json = Json::parse(text, nullptr, false);
+    const Json json = parse_json<Json>(text);
     if (!json.is_object()) return bad_header("the header is not a JSON object");
     Reader reader(json);
     const auto content = reader.get<std::string>("content", "", true);

@@ -138,7 +138,7 @@ class WrongUsage(Case):
                 (1, '[{"level": 1.5, "index": 3, "delta": 1}]'),
                 (1, '[{"level": 1, "row": 3, "delta": 1}]'),
                 (1, "[" * 200000),
-                (1, '[{"level": 1, "index": 3, "delta": ' + "[" * 100000 + "]" * 100000 + "}]"),
+                (1, '[{"level": 1, "index": 3, "delta": ' + "[" * 1000000 + "]" * 1000000 + "}]"),
                 (2, '[{"level": 77, "index": 3, "delta": 1}]'),
                 (2, '[{"level": 4294967297, "index": 3, "delta": 1}]'),
                 (2, '[{"level": 1, "index": -3, "delta": 1}]'),

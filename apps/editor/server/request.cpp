@@ -1,22 +1,13 @@
 #include "request.h"
 
+#include "relief/core/json.h"
+
 namespace relief::editor {
 
 namespace {
 
 /// A command has a list in an object in an object at most.
 constexpr int kDeepest = 8;
-
-/// No more levels than that are built, whatever the text has.
-Json parse(std::string_view text) {
-    bool too_deep = false;
-    const auto shallow = [&](int depth, Json::parse_event_t, const Json&) {
-        too_deep = too_deep || depth > kDeepest;
-        return !too_deep;
-    };
-    Json json = Json::parse(text, shallow, false);
-    return too_deep ? Json() : json;
-}
 
 Error bad(const char* message) {
     return {ErrorCode::BadInput, message, "message of the page"};
@@ -46,7 +37,7 @@ const char* code_name(ErrorCode code) {
 
 Result<Request> read_request(std::string_view text) {
     Request request;
-    request.body = parse(text);
+    request.body = parse_json<Json>(text, kDeepest);
     const Json& body = request.body;
     if (!body.is_object()) return bad("is no JSON object, or one that is nested too deeply");
     const auto id = body.find("id");
