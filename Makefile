@@ -66,9 +66,7 @@ reproduce: build
 	@$(BUILD)/relief-reproduce build/demo/jacksboro.tif
 
 asan tsan: setup
-	@cmake --preset $@ >/dev/null
-	@cmake --build build/$@ -j $(JOBS)
-	@ctest --test-dir build/$@ --output-on-failure -j $(JOBS)
+	@tools/sanitize $@ $(JOBS)
 
 SECONDS_EACH ?= 30
 fuzz: setup
