@@ -139,6 +139,38 @@ Result<bool> is_subdivision(const std::string& path, const SchemeOptions& scheme
     return mesh.polygon_count() > 0 && !codec::is_over_plane(mesh);
 }
 
+namespace {
+
+/// A file, and what was remeshed for it.
+struct RemeshedFile {
+    std::optional<remesh::Remeshed> remeshed;
+    codec::EncodedMesh encoded;
+};
+
+/// Remeshes and encodes; nearer to the mesh, if what is left for the file is not enough.
+Result<RemeshedFile> encode_remesh(const PolygonMesh& mesh, const RemeshFlags& flags,
+                                   codec::MeshEncodeOptions options, const Globals& globals) {
+    constexpr std::array<double, 4> kShares = {1, 0.8, 0.65, 0.5};  // of the usual tolerance
+    const int levels = options.levels;
+    const double usual = tolerance_for(options.goal, diagonal_of(mesh));
+    options.original = &mesh;
+    std::optional<Error> out_of_reach;
+    for (const double share : kShares) {
+        auto remeshed = flags.run(mesh, levels, share * usual, globals);
+        if (!remeshed.ok()) return out_of_reach ? *out_of_reach : remeshed.error();
+        options.levels = remeshed->levels;
+        auto encoded = codec::encode_mesh(remeshed->mesh, options);
+        if (encoded.ok()) return RemeshedFile{*std::move(remeshed), *std::move(encoded)};
+        const bool again =
+            !flags.tolerance && encoded.error().message.starts_with("goal_out_of_reach");
+        if (!again) return encoded.error();
+        out_of_reach = encoded.error();
+    }
+    return *out_of_reach;
+}
+
+}  // namespace
+
 Result<Outcome> encode_mesh(const MeshEncodeVerb& verb, const SchemeOptions& scheme,
                             const Globals& globals) {
     const Stopwatch watch;
@@ -166,18 +198,15 @@ Result<Outcome> encode_mesh(const MeshEncodeVerb& verb, const SchemeOptions& sch
         mesh = std::move(repaired.mesh);
     }
     if (verb.of_diagonal) options.goal.value *= diagonal_of(mesh);
-    std::optional<remesh::Remeshed> remeshed;
+    RemeshedFile made;
     if (verb.remesh) {
-        const double tolerance = tolerance_for(options.goal, diagonal_of(mesh));
-        RELIEF_TRY(remeshed,
-                   located(verb.remesh->run(mesh, scheme.levels, tolerance, globals), verb.in));
-        options.levels = remeshed->levels;
-        options.original = &mesh;
+        RELIEF_TRY(made, located(encode_remesh(mesh, *verb.remesh, options, globals), verb.in));
+    } else {
+        RELIEF_TRY(made.encoded, located(codec::encode_mesh(mesh, options), verb.in));
     }
-    const auto encoded = codec::encode_mesh(remeshed ? remeshed->mesh : mesh, options);
-    if (!encoded.ok()) return located(encoded.error(), verb.in);
-    RELIEF_CHECK(io::write_file_atomically(verb.out, encoded->bytes));
-    const codec::MeshReport& report = encoded->report;
+    const auto& [remeshed, encoded] = made;
+    RELIEF_CHECK(io::write_file_atomically(verb.out, encoded.bytes));
+    const codec::MeshReport& report = encoded.report;
     Outcome outcome;
     outcome.json = Json{{"scheme", multires::mesh_scheme_name(report.scheme)},
                         {"order", nullptr},

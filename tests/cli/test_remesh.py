@@ -133,6 +133,16 @@ class Remesh(Meshes):
             self.json("decode", out, decoded, "--level", report["levels"])
             self.json("edit", out, self.path("bent.relief"), "--level", 1, "--move", "5:0,0,0.2")
 
+    def test_goals_that_need_a_nearer_remesh(self):
+        path = os.path.join(DATA, "meshes", "bull.off")
+        if not os.path.exists(path):
+            self.skipTest("the scan is not there")
+        out = self.path("bull.relief")
+        self.refuse(1, "encode", path, out, "--remesh", "--rms-error", "3e-4d", "--tolerance", "3e-3d",
+                    says="goal_out_of_reach")
+        report = self.json("encode", path, out, "--remesh", "--rms-error", "3e-4d")
+        self.assertLessEqual(report["rms_error"], 3e-4 * report["remesh"]["diagonal"])
+
     def test_any_number_of_threads_gives_the_same_bytes(self):
         files = []
         for threads in (1, 3):
