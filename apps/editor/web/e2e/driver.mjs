@@ -266,7 +266,7 @@ export class Browser {
                 ...options,
             });
             const page = await context.newPage();
-            page.setDefaultTimeout(20000);
+            page.setDefaultTimeout(120_000); // other tests may have the machine
             page.on("pageerror", (error) => complaints.push(String(error)));
             page.on("console", (message) => {
                 if (message.type() === "error") complaints.push(message.text());
