@@ -3,6 +3,7 @@
 usage: test_install.py static|shared|package; the environment names RELIEF_BUILD and RELIEF_SOURCE."""
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -96,6 +97,21 @@ def check_package(folder: pathlib.Path) -> None:
     run(program, "sample", "franke", folder / "franke.tif", "--size", 65)
     run(program, "encode", folder / "franke.tif", folder / "franke.relief", "--max-error", 0.01)
     assert "checksums" in run(program, "info", folder / "franke.relief")
+    check_driver(folder / "root", folder / "franke.relief")
+
+
+def check_driver(root: pathlib.Path, file: pathlib.Path) -> None:
+    """It lies where GDAL looks: the folder that the library itself names."""
+    drivers = list(root.rglob("gdal_RELIEF.so"))
+    if not drivers:
+        return  # built without
+    library = next(line.split("=> ")[1].split()[0] for line in run("ldd", drivers[0]).splitlines() if "libgdal.so" in line)
+    places = re.findall(rb"/[\x21-\x7e]*/gdalplugins", pathlib.Path(library).read_bytes())
+    where = "/" + str(drivers[0].parent.relative_to(root))
+    assert where.encode() in places, f"{where} is not one of {places}"
+    if shutil.which("gdalinfo"):
+        told = run("gdalinfo", file, env=dict(os.environ, GDAL_DRIVER_PATH=str(drivers[0].parent)))
+        assert "RELIEF" in told, told
 
 
 def main() -> None:
