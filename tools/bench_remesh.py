@@ -88,11 +88,16 @@ def run(build: pathlib.Path, output: pathlib.Path, quick: bool) -> Lines:
     return lines
 
 
+def name_of(reason: str) -> str:
+    """Of an error: "relief VERB: FILE: NAME: .."."""
+    return reason.split(": ")[2].split(";")[0]
+
+
 def files(lines: Lines) -> str:
     rows = []
     for (scan, goal), line in lines.files.items():
         if "reason" in line:
-            rows.append((scan, f"{goal:g}", line["reason"], *[""] * 9))
+            rows.append((scan, f"{goal:g}", name_of(line["reason"]), *[""] * 9))
             continue
         ratio, peer = lines.ratio((scan, goal), "peer"), line["peer"]
         way = f"{peer['simplifier']}, {peer['faces']} faces, {peer['bits']} bits" if peer else ""
@@ -115,7 +120,7 @@ def remeshes(lines: Lines) -> str:
     for scan, line in lines.remeshes.items():
         pace, memory = 1e5 * line["seconds"] / line["triangles"], (line["peak"] - line["idle"]) / line["triangles"]
         if "reason" in line:
-            rows.append((scan, str(line["triangles"]), line["reason"], *[""] * 5, f"{line['seconds']:.1f}", f"{pace:.1f}", f"{memory:.0f}",
+            rows.append((scan, str(line["triangles"]), name_of(line["reason"]), *[""] * 5, f"{line['seconds']:.1f}", f"{pace:.1f}", f"{memory:.0f}",
                          targets, "no"))
             continue
         values = {**line, "pace": pace, "memory": memory,
