@@ -55,7 +55,7 @@ docs:
 	@$(MAKE) --no-print-directory build
 	@tools/make_docs $(BUILD) build/docs
 
-# Libraries that can not be installed are left out of the comparisons. BENCH=--quick, --peers, --meshes, --points, --editor ..: see tools/bench.
+# Libraries that can not be installed are left out of the comparisons. BENCH=--quick, --peers, --meshes, --remesh, --points, --editor ..: see tools/bench.
 bench:
 	@tools/setup bench/packages.txt || true
 	@$(MAKE) --no-print-directory build

@@ -1,11 +1,11 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "contest.h"
+#include "diagonal.h"
 #include "draco_peer.h"
 #include "mesh_shapes.h"
 #include "relief/codec/mesh_codec.h"
@@ -24,17 +24,6 @@ using nlohmann::json;
 
 void print(const json& line) {
     std::cout << line.dump() << std::endl;
-}
-
-double diagonal_of(const PolygonMesh& mesh) {
-    auto low = mesh.vertices.at(0);
-    auto high = low;
-    for (const auto& v : mesh.vertices)
-        for (std::size_t k = 0; k < 3; ++k) {
-            low[k] = std::min(low[k], v[k]);
-            high[k] = std::max(high[k], v[k]);
-        }
-    return std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
 }
 
 double largest_move(const PolygonMesh& a, const PolygonMesh& b) {

@@ -1,0 +1,140 @@
+"""Remeshes and encodes scans by the tool, and says in tables how the files stand beside simplification and Draco."""
+import json
+import os
+import pathlib
+import statistics
+import subprocess
+import tempfile
+
+import bench_peers
+from bench_meshes import DATA
+from bench_peers import markdown, met, number
+
+PROGRAM = pathlib.Path("bench") / "peers" / "relief_remesh_codecs"
+# Scans, and options that they are remeshed with.
+SCANS = {"bunny00.off": [], "armadillo.off": [], "man.off": [], "bear.off": [], "camel.off": [], "lion-head.off": [],
+         "blade.off": [], "fandisk.off": ["--features", "40"], "bull.off": [], "elephant.off": []}
+# RMS distances from the scan, fractions of its diagonal, and those that files have targets at.
+GOALS, JUDGED = (1e-3, 4e-4, 3e-4), (4e-4, 3e-4)
+RATIO_TARGET, MEDIAN_TARGET = 0.45, 0.33
+# At most, of the mesh itself; seconds for 100 000 triangles; bytes a triangle.
+REMESH_TARGETS = {"rms_error": 2e-4, "max_error": 2e-3, "flips": 0, "pace": 10, "memory": 1000}
+
+
+class Lines:
+    """libraries, remeshes: [scan], files: [scan, goal]; a run that was refused has a `reason`."""
+
+    def __init__(self):
+        self.libraries: dict[str, str] = {}
+        self.remeshes: dict[str, dict] = {}
+        self.files: dict[tuple[str, float], dict] = {}
+
+    def ratio(self, case: tuple[str, float], peer: str) -> float | None:
+        line = self.files[case]
+        return line["bytes"] / line[peer]["bytes"] if line.get(peer) else None
+
+
+def measured(command: list) -> dict:
+    """What a run of the tool prints, with the time of its one thread and the most memory that it had."""
+    with tempfile.TemporaryFile("w+") as printed, tempfile.TemporaryFile("w+") as complaint:
+        process = subprocess.Popen([*map(str, command), "--json", "--threads", "1"], stdout=printed, stderr=complaint)
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        for file in (printed, complaint):
+            file.seek(0)
+        line = {"seconds": usage.ru_utime + usage.ru_stime, "peak": 1024 * usage.ru_maxrss}
+        if process.returncode != 0:
+            return {**line, "reason": complaint.read().strip()}
+        return {**json.loads(printed.read() or "{}"), **line}
+
+
+def quick_scan(tool: pathlib.Path, folder: pathlib.Path) -> pathlib.Path:
+    """A subdivided octahedron of 2048 triangles."""
+    base, scan = folder / "octahedron.obj", folder / "small.ply"
+    subprocess.run([tool, "sample", "octahedron", base, "-q"], check=True)
+    subprocess.run([tool, "subdivide", base, scan, "--scheme", "loop", "--levels", "4", "-q"], check=True)
+    return scan
+
+
+def run_scan(lines: Lines, tools: tuple[pathlib.Path, pathlib.Path], folder: pathlib.Path, scan: pathlib.Path, options: list[str]):
+    relief, peers = tools
+    name, goals = scan.stem, {}
+    idle = measured([relief, "sample", "octahedron", folder / "idle.obj"])["peak"]
+    triangles = json.loads(subprocess.run([relief, "info", scan, "--json"], check=True, capture_output=True).stdout)["polygons"]
+    lines.remeshes[name] = {"triangles": triangles, "idle": idle,
+                            **measured([relief, "remesh", scan, folder / f"{name}.ply", *options])}
+    for goal in GOALS:
+        file = folder / f"{name}-{goal:g}.relief"
+        line = measured([relief, "encode", scan, file, "--remesh", "--rms-error", f"{goal:g}d", *options])
+        lines.files[name, goal] = line if "reason" in line else {"seconds": line["seconds"]}
+        if "reason" not in line:
+            goals[file.stem] = goal
+    done = subprocess.run([peers, scan, *(folder / f"{file}.relief" for file in goals)], check=True, capture_output=True, text=True)
+    libraries, *found = map(json.loads, done.stdout.splitlines())
+    lines.libraries = libraries["libraries"]
+    for line in found:
+        lines.files[name, goals[line["file"]]].update(line)
+
+
+def run(build: pathlib.Path, output: pathlib.Path, quick: bool) -> Lines:
+    tools = build / "relief", build / PROGRAM
+    scans = {DATA / name: options for name, options in SCANS.items() if (DATA / name).exists()}
+    lines = Lines()
+    for scan, options in ({quick_scan(tools[0], output): []} if quick else scans).items():
+        run_scan(lines, tools, output, scan, options)
+    records = [{"scan": scan, **line} for scan, line in lines.remeshes.items()]
+    records += [{"scan": scan, "goal": goal, **line} for (scan, goal), line in lines.files.items()]
+    (output / "remesh.jsonl").write_text("".join(json.dumps(record) + "\n" for record in records))
+    return lines
+
+
+def name_of(reason: str) -> str:
+    """Of an error: "relief VERB: FILE: NAME: .."."""
+    return reason.split(": ")[2].split(";")[0]
+
+
+def files(lines: Lines) -> str:
+    rows = []
+    for (scan, goal), line in lines.files.items():
+        if "reason" in line:
+            rows.append((scan, f"{goal:g}", name_of(line["reason"]), *[""] * 9))
+            continue
+        ratio, peer = lines.ratio((scan, goal), "peer"), line["peer"]
+        way = f"{peer['simplifier']}, {peer['faces']} faces, {peer['bits']} bits" if peer else ""
+        rows.append((scan, f"{goal:g}", f"{line['rms']:.2g}", f"{line['largest']:.2g}", f"{line['seconds']:.1f}", str(line["bytes"]),
+                     str(peer["bytes"]) if peer else "", way, number(ratio),
+                     *((f"<= {RATIO_TARGET}", met(ratio, RATIO_TARGET)) if goal in JUDGED else ("", "")),
+                     number(lines.ratio((scan, goal), "draco"))))
+    ratios = [lines.ratio(case, "peer") for case, line in lines.files.items() if case[1] in JUDGED and line.get("peer")]
+    if ratios:
+        median = statistics.median(ratios)
+        rows.append(("median", " and ".join(f"{goal:g}" for goal in JUDGED), *[""] * 6, number(median), f"<= {MEDIAN_TARGET}",
+                     met(median, MEDIAN_TARGET), ""))
+    return markdown(("scan", "goal", "RMS", "largest", "s", "bytes", "simplify + Draco", "its smallest", "ratio", "target", "met",
+                     "ratio to Draco alone"), rows)
+
+
+def remeshes(lines: Lines) -> str:
+    rows = []
+    targets = " / ".join(f"{target:g}" for target in REMESH_TARGETS.values())
+    for scan, line in lines.remeshes.items():
+        pace, memory = 1e5 * line["seconds"] / line["triangles"], (line["peak"] - line["idle"]) / line["triangles"]
+        if "reason" in line:
+            rows.append((scan, str(line["triangles"]), name_of(line["reason"]), *[""] * 5, f"{line['seconds']:.1f}", f"{pace:.1f}", f"{memory:.0f}",
+                         targets, "no"))
+            continue
+        values = {**line, "pace": pace, "memory": memory,
+                  **{key: line[key] / line["diagonal"] for key in ("rms_error", "max_error")}}
+        rows.append((scan, str(line["triangles"]), f"{line['base_faces']}, {line['levels']}", str(line["vertices"]),
+                     f"{values['rms_error']:.2g}", f"{values['max_error']:.2g}", str(line["flips"]), f"{line['quality']:.2f}",
+                     f"{line['seconds']:.1f}", f"{pace:.1f}", f"{memory:.0f}", targets,
+                     " / ".join("yes" if values[key] <= target else "no" for key, target in REMESH_TARGETS.items())))
+    return markdown(("scan", "triangles", "base, levels", "vertices", "RMS", "largest", "flips", "quality", "s", "s for 100 000",
+                     "bytes a triangle", "target", "met"), rows)
+
+
+SECTIONS = [("Scans: files, from scan to file", files), ("Scans: the remesh itself", remeshes)]
+
+
+def report(lines: Lines) -> str:
+    return bench_peers.sections(lines, SECTIONS)
