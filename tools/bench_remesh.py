@@ -56,8 +56,8 @@ def quick_scan(tool: pathlib.Path, folder: pathlib.Path) -> pathlib.Path:
     return scan
 
 
-def run_scan(lines: Lines, tools: tuple[pathlib.Path, pathlib.Path], folder: pathlib.Path, scan: pathlib.Path, options: list[str]):
-    relief, peers = tools
+def run_scan(lines: Lines, build: pathlib.Path, folder: pathlib.Path, scan: pathlib.Path, options: list[str]):
+    relief, peers = build / "relief", build / PROGRAM
     name, goals = scan.stem, {}
     idle = measured([relief, "sample", "octahedron", folder / "idle.obj"])["peak"]
     triangles = json.loads(subprocess.run([relief, "info", scan, "--json"], check=True, capture_output=True).stdout)["polygons"]
@@ -69,7 +69,8 @@ def run_scan(lines: Lines, tools: tuple[pathlib.Path, pathlib.Path], folder: pat
         lines.files[name, goal] = line if "reason" in line else {"seconds": line["seconds"]}
         if "reason" not in line:
             goals[file.stem] = goal
-    done = subprocess.run([peers, scan, *(folder / f"{file}.relief" for file in goals)], check=True, capture_output=True, text=True)
+    done = subprocess.run([peers, scan, *(folder / f"{file}.relief" for file in goals)], check=True, capture_output=True,
+                          text=True)
     libraries, *found = map(json.loads, done.stdout.splitlines())
     lines.libraries = libraries["libraries"]
     for line in found:
@@ -77,11 +78,10 @@ def run_scan(lines: Lines, tools: tuple[pathlib.Path, pathlib.Path], folder: pat
 
 
 def run(build: pathlib.Path, output: pathlib.Path, quick: bool) -> Lines:
-    tools = build / "relief", build / PROGRAM
     scans = {DATA / name: options for name, options in SCANS.items() if (DATA / name).exists()}
     lines = Lines()
-    for scan, options in ({quick_scan(tools[0], output): []} if quick else scans).items():
-        run_scan(lines, tools, output, scan, options)
+    for scan, options in ({quick_scan(build / "relief", output): []} if quick else scans).items():
+        run_scan(lines, build, output, scan, options)
     records = [{"scan": scan, **line} for scan, line in lines.remeshes.items()]
     records += [{"scan": scan, "goal": goal, **line} for (scan, goal), line in lines.files.items()]
     (output / "remesh.jsonl").write_text("".join(json.dumps(record) + "\n" for record in records))
@@ -101,8 +101,8 @@ def files(lines: Lines) -> str:
             continue
         ratio, peer = lines.ratio((scan, goal), "peer"), line["peer"]
         way = f"{peer['simplifier']}, {peer['faces']} faces, {peer['bits']} bits" if peer else ""
-        rows.append((scan, f"{goal:g}", f"{line['rms']:.2g}", f"{line['largest']:.2g}", f"{line['seconds']:.1f}", str(line["bytes"]),
-                     str(peer["bytes"]) if peer else "", way, number(ratio),
+        rows.append((scan, f"{goal:g}", f"{line['rms']:.2g}", f"{line['largest']:.2g}", f"{line['seconds']:.1f}",
+                     str(line["bytes"]), str(peer["bytes"]) if peer else "", way, number(ratio),
                      *((f"<= {RATIO_TARGET}", met(ratio, RATIO_TARGET)) if goal in JUDGED else ("", "")),
                      number(lines.ratio((scan, goal), "draco"))))
     ratios = [lines.ratio(case, "peer") for case, line in lines.files.items() if case[1] in JUDGED and line.get("peer")]
@@ -119,15 +119,14 @@ def remeshes(lines: Lines) -> str:
     targets = " / ".join(f"{target:g}" for target in REMESH_TARGETS.values())
     for scan, line in lines.remeshes.items():
         pace, memory = 1e5 * line["seconds"] / line["triangles"], (line["peak"] - line["idle"]) / line["triangles"]
+        costs = f"{line['seconds']:.1f}", f"{pace:.1f}", f"{memory:.0f}"
         if "reason" in line:
-            rows.append((scan, str(line["triangles"]), name_of(line["reason"]), *[""] * 5, f"{line['seconds']:.1f}", f"{pace:.1f}", f"{memory:.0f}",
-                         targets, "no"))
+            rows.append((scan, str(line["triangles"]), name_of(line["reason"]), *[""] * 5, *costs, targets, "no"))
             continue
         values = {**line, "pace": pace, "memory": memory,
                   **{key: line[key] / line["diagonal"] for key in ("rms_error", "max_error")}}
         rows.append((scan, str(line["triangles"]), f"{line['base_faces']}, {line['levels']}", str(line["vertices"]),
-                     f"{values['rms_error']:.2g}", f"{values['max_error']:.2g}", str(line["flips"]), f"{line['quality']:.2f}",
-                     f"{line['seconds']:.1f}", f"{pace:.1f}", f"{memory:.0f}", targets,
+                     f"{values['rms_error']:.2g}", f"{values['max_error']:.2g}", str(line["flips"]), f"{line['quality']:.2f}", *costs, targets,
                      " / ".join("yes" if values[key] <= target else "no" for key, target in REMESH_TARGETS.items())))
     return markdown(("scan", "triangles", "base, levels", "vertices", "RMS", "largest", "flips", "quality", "s", "s for 100 000",
                      "bytes a triangle", "target", "met"), rows)

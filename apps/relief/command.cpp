@@ -89,6 +89,22 @@ double Stopwatch::seconds() const {
     return now() - start_;
 }
 
+void add_length(CLI::App& options, const std::string& name, std::optional<double>& length,
+                bool& of_diagonal, const std::string& description) {
+    options
+        .add_option_function<std::string>(
+            name,
+            [name, &length, &of_diagonal](const std::string& text) {
+                of_diagonal = text.size() > 1 && text.back() == 'd';
+                double value = 0;
+                if (!CLI::detail::lexical_cast(text.substr(0, text.size() - of_diagonal), value))
+                    throw CLI::ConversionError(text, name);
+                length = value;
+            },
+            description)
+        ->type_name("FLOAT");
+}
+
 void SchemeOptions::add_to(CLI::App& app) {
     // The names are checked where they are understood, which says more than CLI::IsMember.
     app.add_option(

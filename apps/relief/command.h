@@ -50,6 +50,10 @@ struct Program {
 CLI::App* add_verb(Program& program, const std::string& name, const std::string& description,
                    const std::string& examples, Run run);
 
+/// An option for a length, which may have a d behind it: so many diagonals.
+void add_length(CLI::App& options, const std::string& name, std::optional<double>& length,
+                bool& of_diagonal, const std::string& description);
+
 void add_encode(Program& program);
 void add_decode(Program& program);
 void add_info(Program& program);

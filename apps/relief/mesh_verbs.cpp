@@ -94,6 +94,10 @@ constexpr FaceCount<mesh::MeshCounts> kFaces = {"faces", &mesh::MeshCounts::face
 
 }  // namespace
 
+double diagonal_of(const PolygonMesh& mesh) {
+    return Box(mesh).diagonal();
+}
+
 bool holds_mesh(const std::string& path) {
     return holds(path, "mesh");
 }
@@ -161,10 +165,10 @@ Result<Outcome> encode_mesh(const MeshEncodeVerb& verb, const SchemeOptions& sch
         repairs = repair_text(repaired.counts);
         mesh = std::move(repaired.mesh);
     }
-    if (verb.of_diagonal) options.goal.value *= Box(mesh).diagonal();
+    if (verb.of_diagonal) options.goal.value *= diagonal_of(mesh);
     std::optional<remesh::Remeshed> remeshed;
     if (verb.remesh) {
-        const double tolerance = tolerance_for(options.goal, Box(mesh).diagonal());
+        const double tolerance = tolerance_for(options.goal, diagonal_of(mesh));
         RELIEF_TRY(remeshed,
                    located(verb.remesh->run(mesh, scheme.levels, tolerance, globals), verb.in));
         options.levels = remeshed->levels;
@@ -266,17 +270,16 @@ Result<Outcome> compare_surfaces(const PolygonMesh& a, const PolygonMesh& b) {
                         {"max_error", json_number(distance.largest())},
                         {"rms_error", json_number(rms)},
                         {"mean_square", json_number(rms * rms)},
-                        {"psnr_db", json_number(20 * std::log10(Box(a).diagonal() / rms))},
+                        {"psnr_db", json_number(20 * std::log10(diagonal_of(a) / rms))},
                         {"energy_percent", nullptr},
-                        {"diagonal", json_number(Box(a).diagonal())},
+                        {"diagonal", json_number(diagonal_of(a))},
                         {"a_to_b", directed(distance.a_to_b)},
                         {"b_to_a", directed(distance.b_to_a)}};
     outcome.text = fmt::format(
         "surfaces: max distance {} (there {}, back {}), rms distance {} (there {}, back {}); "
         "diagonal {}\n",
         shown(distance.largest()), shown(distance.a_to_b.largest), shown(distance.b_to_a.largest),
-        shown(rms), shown(distance.a_to_b.rms), shown(distance.b_to_a.rms),
-        shown(Box(a).diagonal()));
+        shown(rms), shown(distance.a_to_b.rms), shown(distance.b_to_a.rms), shown(diagonal_of(a)));
     return outcome;
 }
 

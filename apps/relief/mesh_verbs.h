@@ -24,6 +24,9 @@ namespace relief::cli {
 /// A mesh file, or a level of a .relief file of a mesh or of a quadrangulation.
 [[nodiscard]] Result<PolygonMesh> read_polygons(const std::string& path, int level = 0);
 
+/// Of the box around the vertices.
+[[nodiscard]] double diagonal_of(const PolygonMesh& mesh);
+
 /// How a mesh becomes one with subdivision connectivity.
 struct RemeshFlags {
     std::optional<std::int64_t> base;

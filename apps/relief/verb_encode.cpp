@@ -190,23 +190,6 @@ Result<Outcome> run(const Encode& options, const Globals& globals) {
     return outcome;
 }
 
-/// An option for a number, which may have a d behind it.
-void add_length(CLI::Option_group& group, const std::string& name, std::optional<double>& length,
-                bool& of_diagonal, const std::string& description) {
-    group
-        .add_option_function<std::string>(
-            name,
-            [name, &length, &of_diagonal](const std::string& text) {
-                of_diagonal = text.size() > 1 && text.back() == 'd';
-                double value = 0;
-                if (!CLI::detail::lexical_cast(text.substr(0, text.size() - of_diagonal), value))
-                    throw CLI::ConversionError(text, name);
-                length = value;
-            },
-            description)
-        ->type_name("FLOAT");
-}
-
 }  // namespace
 
 void add_encode(Program& program) {

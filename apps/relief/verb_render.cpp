@@ -30,7 +30,8 @@ struct Render {
     double exaggeration = 0;
     double azimuth = 315;
     double altitude = 45;
-    double scale = 0;
+    std::optional<double> scale;
+    bool of_diagonal = false;  ///< scale is
     bool multidirectional = false;
     std::string caption;
     std::string up = "z";
@@ -146,8 +147,9 @@ Result<io::Image> draw(const Render& options, const Raster& raster, const Global
                          fmt::format("is {} x {}, the surface {} x {}", reference.cols,
                                      reference.rows, raster.cols, raster.rows),
                          options.reference};
-        return io::error_map(z, reference.planes.back().view(), mask_of(raster), cell,
-                             {.scale = options.scale, .unit = raster.unit, .picture = picture});
+        return io::error_map(
+            z, reference.planes.back().view(), mask_of(raster), cell,
+            {.scale = options.scale.value_or(0), .unit = raster.unit, .picture = picture});
     }
     if (options.style == "colour") return io::colour_by_height(z, mask_of(raster), cell, picture);
     if (options.style == "wire" || options.style == "surface") {
@@ -184,8 +186,13 @@ Result<io::Image> draw_polygons(const Render& options) {
         if (tree.empty())
             return Error{ErrorCode::BadInput, "has no faces to measure from", options.reference};
         distances = mesh::vertex_distances(mesh, tree);
+        if (options.of_diagonal) {
+            const double diagonal = diagonal_of(reference);
+            for (double& distance : distances) distance /= diagonal;
+            picture.unit = "d";
+        }
         picture.values = distances;
-        picture.scale = options.scale;
+        picture.scale = options.scale.value_or(0);
     }
     return io::draw_mesh(mesh, picture);
 }
@@ -226,6 +233,9 @@ Result<Outcome> run_ps(const Render& options, const Globals& globals) {
 
 Result<Outcome> run(const Render& options, const Globals& globals) {
     if (is_mesh(options.in)) return run_mesh(options);
+    if (options.of_diagonal)
+        return Error{ErrorCode::InvalidArgument, "a --scale in diagonals (1e-3d) is for meshes",
+                     ""};
     if (holds_ps(options.in)) return run_ps(options, globals);
     io::Image image;
     const bool relief_file = io::recognise(options.in) == io::FileKind::Relief;
@@ -283,8 +293,9 @@ void add_render(Program& program) {
         "--level", options->level,
         "draw the surface of this level of a .relief file; with wire its control net too, for "
         "splines on triangles its control triangles");
-    verb->add_option("--scale", options->scale,
-                     "difference at the ends of the colours (error); default: the largest");
+    add_length(*verb, "--scale", options->scale, options->of_diagonal,
+               "difference at the ends of the colours (error), for meshes with a d in diagonals of "
+               "the reference (1e-3d); default: the largest");
     verb->add_option("--exaggeration", options->exaggeration,
                      "vertical factor; default: from the mean slope");
     verb->add_option("--azimuth", options->azimuth,

@@ -5,6 +5,7 @@ import os
 import struct
 
 import numpy as np
+from osgeo import gdal
 
 from harness import DATA, Case, contents_of, main
 
@@ -270,6 +271,26 @@ class Files(Meshes):
             report = self.json("render", file, picture, "--width", 300, *options)
             self.assertEqual(report["width"], 300)
             self.assertEqual(contents_of(picture)[:4], b"\x89PNG")
+
+    def test_error_pictures(self):
+        reference = self.mesh(CUBE, "reference.obj")
+        larger = self.mesh(([[1.25 * x for x in corner] for corner in CUBE[0]], CUBE[1]), "larger.obj")
+        picture = self.path("picture.png")
+
+        def colour(reference, scale):
+            """In the middle of the picture, of a cube whose corners are 0.25 sqrt(3) away from the reference."""
+            self.json("render", larger, picture, "--width", 200, "--style", "error", "--reference", reference, "--scale", scale)
+            return gdal.Open(picture).ReadAsArray()[:3, 80, 100].astype(int)
+
+        # The diagonal of the reference is 2 sqrt(3): they are an eighth of it away.
+        np.testing.assert_array_equal(colour(reference, "0.125d"), colour(reference, 0.25 * 3**0.5))
+        red, pale = colour(reference, "0.125d"), colour(reference, "10d")
+        self.assertGreater(red[0] - red[2], 40)
+        self.assertLess(pale[0] - pale[2], 20)
+        raster = self.raster("flat.tif", np.zeros((30, 30)))
+        self.refuse(2, "render", raster, self.path("no.png"), "--style", "error", "--reference", raster, "--scale", "1d",
+                    says="meshes")
+        self.refuse(2, "render", reference, self.path("no.png"), "--scale", "1e", says="1e")
 
     def test_real_meshes(self):
         folder = os.path.join(DATA, "meshes")
