@@ -90,7 +90,8 @@ def run(build: pathlib.Path, output: pathlib.Path, quick: bool) -> Lines:
 
 def name_of(reason: str) -> str:
     """Of an error: "relief VERB: FILE: NAME: .."."""
-    return reason.split(": ")[2].split(";")[0]
+    parts = reason.split(": ")
+    return parts[2].split(";")[0] if len(parts) > 2 else reason or "killed"
 
 
 def files(lines: Lines) -> str:
