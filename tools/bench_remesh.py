@@ -1,10 +1,9 @@
 """Remeshes and encodes scans by the tool, and says in tables how the files stand beside simplification and Draco."""
 import json
-import os
 import pathlib
 import statistics
 import subprocess
-import tempfile
+import sys
 
 import bench_peers
 from bench_meshes import DATA
@@ -34,18 +33,24 @@ class Lines:
         return line["bytes"] / line[peer]["bytes"] if line.get(peer) else None
 
 
+# A process begins with the peak of the one that it was forked from: so that is a small one, and not this.
+RUN = """
+import json, resource, subprocess, sys
+done = subprocess.run(sys.argv[1:], capture_output=True, text=True)
+used = resource.getrusage(resource.RUSAGE_CHILDREN)
+print(json.dumps([done.returncode, done.stdout, done.stderr, used.ru_utime + used.ru_stime, 1024 * used.ru_maxrss]))
+"""
+
+
 def measured(command: list) -> dict:
     """What a run of the tool prints, with the time of its one thread and the most memory that it had."""
-    with tempfile.TemporaryFile("w+") as printed, tempfile.TemporaryFile("w+") as complaint:
-        process = subprocess.Popen([*map(str, command), "--json", "--threads", "1"], stdout=printed, stderr=complaint)
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-        for file in (printed, complaint):
-            file.seek(0)
-        line = {"seconds": usage.ru_utime + usage.ru_stime, "peak": 1024 * usage.ru_maxrss}
-        if process.returncode != 0:
-            return {**line, "reason": complaint.read().strip()}
-        return {**json.loads(printed.read() or "{}"), **line}
+    done = subprocess.run([sys.executable, "-S", "-c", RUN, *map(str, command), "--json", "--threads", "1"], check=True,
+                          capture_output=True, text=True)
+    status, printed, complaint, seconds, peak = json.loads(done.stdout)
+    line = {"seconds": seconds, "peak": peak}
+    if status != 0:
+        return {**line, "reason": complaint.strip()}
+    return {**json.loads(printed or "{}"), **line}
 
 
 def quick_scan(tool: pathlib.Path, folder: pathlib.Path) -> pathlib.Path:
@@ -56,8 +61,8 @@ def quick_scan(tool: pathlib.Path, folder: pathlib.Path) -> pathlib.Path:
     return scan
 
 
-def run_scan(lines: Lines, tools: tuple[pathlib.Path, pathlib.Path], folder: pathlib.Path, scan: pathlib.Path, options: list[str]):
-    relief, peers = tools
+def run_scan(lines: Lines, build: pathlib.Path, folder: pathlib.Path, scan: pathlib.Path, options: list[str]):
+    relief, peers = build / "relief", build / PROGRAM
     name, goals = scan.stem, {}
     idle = measured([relief, "sample", "octahedron", folder / "idle.obj"])["peak"]
     triangles = json.loads(subprocess.run([relief, "info", scan, "--json"], check=True, capture_output=True).stdout)["polygons"]
@@ -69,7 +74,8 @@ def run_scan(lines: Lines, tools: tuple[pathlib.Path, pathlib.Path], folder: pat
         lines.files[name, goal] = line if "reason" in line else {"seconds": line["seconds"]}
         if "reason" not in line:
             goals[file.stem] = goal
-    done = subprocess.run([peers, scan, *(folder / f"{file}.relief" for file in goals)], check=True, capture_output=True, text=True)
+    done = subprocess.run([peers, scan, *(folder / f"{file}.relief" for file in goals)], check=True, capture_output=True,
+                          text=True)
     libraries, *found = map(json.loads, done.stdout.splitlines())
     lines.libraries = libraries["libraries"]
     for line in found:
@@ -77,11 +83,10 @@ def run_scan(lines: Lines, tools: tuple[pathlib.Path, pathlib.Path], folder: pat
 
 
 def run(build: pathlib.Path, output: pathlib.Path, quick: bool) -> Lines:
-    tools = build / "relief", build / PROGRAM
     scans = {DATA / name: options for name, options in SCANS.items() if (DATA / name).exists()}
     lines = Lines()
-    for scan, options in ({quick_scan(tools[0], output): []} if quick else scans).items():
-        run_scan(lines, tools, output, scan, options)
+    for scan, options in ({quick_scan(build / "relief", output): []} if quick else scans).items():
+        run_scan(lines, build, output, scan, options)
     records = [{"scan": scan, **line} for scan, line in lines.remeshes.items()]
     records += [{"scan": scan, "goal": goal, **line} for (scan, goal), line in lines.files.items()]
     (output / "remesh.jsonl").write_text("".join(json.dumps(record) + "\n" for record in records))
@@ -90,7 +95,8 @@ def run(build: pathlib.Path, output: pathlib.Path, quick: bool) -> Lines:
 
 def name_of(reason: str) -> str:
     """Of an error: "relief VERB: FILE: NAME: .."."""
-    return reason.split(": ")[2].split(";")[0]
+    parts = reason.split(": ")
+    return parts[2].split(";")[0] if len(parts) > 2 else reason or "killed"
 
 
 def files(lines: Lines) -> str:
@@ -101,8 +107,8 @@ def files(lines: Lines) -> str:
             continue
         ratio, peer = lines.ratio((scan, goal), "peer"), line["peer"]
         way = f"{peer['simplifier']}, {peer['faces']} faces, {peer['bits']} bits" if peer else ""
-        rows.append((scan, f"{goal:g}", f"{line['rms']:.2g}", f"{line['largest']:.2g}", f"{line['seconds']:.1f}", str(line["bytes"]),
-                     str(peer["bytes"]) if peer else "", way, number(ratio),
+        rows.append((scan, f"{goal:g}", f"{line['rms']:.2g}", f"{line['largest']:.2g}", f"{line['seconds']:.1f}",
+                     str(line["bytes"]), str(peer["bytes"]) if peer else "", way, number(ratio),
                      *((f"<= {RATIO_TARGET}", met(ratio, RATIO_TARGET)) if goal in JUDGED else ("", "")),
                      number(lines.ratio((scan, goal), "draco"))))
     ratios = [lines.ratio(case, "peer") for case, line in lines.files.items() if case[1] in JUDGED and line.get("peer")]
@@ -119,15 +125,14 @@ def remeshes(lines: Lines) -> str:
     targets = " / ".join(f"{target:g}" for target in REMESH_TARGETS.values())
     for scan, line in lines.remeshes.items():
         pace, memory = 1e5 * line["seconds"] / line["triangles"], (line["peak"] - line["idle"]) / line["triangles"]
+        costs = f"{line['seconds']:.1f}", f"{pace:.1f}", f"{memory:.0f}"
         if "reason" in line:
-            rows.append((scan, str(line["triangles"]), name_of(line["reason"]), *[""] * 5, f"{line['seconds']:.1f}", f"{pace:.1f}", f"{memory:.0f}",
-                         targets, "no"))
+            rows.append((scan, str(line["triangles"]), name_of(line["reason"]), *[""] * 5, *costs, targets, "no"))
             continue
         values = {**line, "pace": pace, "memory": memory,
                   **{key: line[key] / line["diagonal"] for key in ("rms_error", "max_error")}}
         rows.append((scan, str(line["triangles"]), f"{line['base_faces']}, {line['levels']}", str(line["vertices"]),
-                     f"{values['rms_error']:.2g}", f"{values['max_error']:.2g}", str(line["flips"]), f"{line['quality']:.2f}",
-                     f"{line['seconds']:.1f}", f"{pace:.1f}", f"{memory:.0f}", targets,
+                     f"{values['rms_error']:.2g}", f"{values['max_error']:.2g}", str(line["flips"]), f"{line['quality']:.2f}", *costs, targets,
                      " / ".join("yes" if values[key] <= target else "no" for key, target in REMESH_TARGETS.items())))
     return markdown(("scan", "triangles", "base, levels", "vertices", "RMS", "largest", "flips", "quality", "s", "s for 100 000",
                      "bytes a triangle", "target", "met"), rows)

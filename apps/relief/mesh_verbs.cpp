@@ -147,26 +147,35 @@ struct RemeshedFile {
     codec::EncodedMesh encoded;
 };
 
-/// Remeshes and encodes; nearer to the mesh, if what is left for the file is not enough.
+Result<RemeshedFile> encode_remesh(const PolygonMesh& mesh, const RemeshFlags& flags,
+                                   double tolerance, codec::MeshEncodeOptions options,
+                                   const Globals& globals) {
+    RELIEF_TRY(auto remeshed, flags.run(mesh, options.levels, tolerance, globals));
+    options.levels = remeshed.levels;
+    RELIEF_TRY(auto encoded, codec::encode_mesh(remeshed.mesh, options));
+    return RemeshedFile{std::move(remeshed), std::move(encoded)};
+}
+
+/// A nearer remesh leaves more of the goal to the file, and takes other bases.
+bool may_help(const Error& error) {
+    const char* const names[] = {"goal_out_of_reach", "tolerance_not_met", "flipped_faces"};
+    return std::any_of(std::begin(names), std::end(names),
+                       [&](const char* name) { return error.message.starts_with(name); });
+}
+
+/// With the tolerance that was asked for, or the usual one and smaller ones until one does.
 Result<RemeshedFile> encode_remesh(const PolygonMesh& mesh, const RemeshFlags& flags,
                                    codec::MeshEncodeOptions options, const Globals& globals) {
-    constexpr std::array<double, 4> kShares = {1, 0.8, 0.65, 0.5};  // of the usual tolerance
-    const int levels = options.levels;
     const double usual = tolerance_for(options.goal, diagonal_of(mesh));
     options.original = &mesh;
-    std::optional<Error> out_of_reach;
-    for (const double share : kShares) {
-        auto remeshed = flags.run(mesh, levels, share * usual, globals);
-        if (!remeshed.ok()) return out_of_reach ? *out_of_reach : remeshed.error();
-        options.levels = remeshed->levels;
-        auto encoded = codec::encode_mesh(remeshed->mesh, options);
-        if (encoded.ok()) return RemeshedFile{*std::move(remeshed), *std::move(encoded)};
-        const bool again =
-            !flags.tolerance && encoded.error().message.starts_with("goal_out_of_reach");
-        if (!again) return encoded.error();
-        out_of_reach = encoded.error();
+    auto first = encode_remesh(mesh, flags, usual, options, globals);
+    if (first.ok() || flags.tolerance) return first;
+    for (const double share : {0.8, 0.65, 0.5}) {
+        if (!may_help(first.error())) break;
+        auto nearer = encode_remesh(mesh, flags, share * usual, options, globals);
+        if (nearer.ok()) return nearer;
     }
-    return *out_of_reach;
+    return first;
 }
 
 }  // namespace
