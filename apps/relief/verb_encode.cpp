@@ -246,6 +246,7 @@ void add_encode(Program& program) {
                    "errors are distances from IN, both ways: see --surface and 'relief remesh'");
     options->remesh_flags.add_to(*verb);
     std::vector<std::string> lifts;
+    lifts.reserve(std::size(multires::kLiftKinds));
     for (const multires::LiftKind kind : multires::kLiftKinds)
         lifts.emplace_back(multires::lift_name(kind));
     verb->add_option("--lift", options->lift,

@@ -12,6 +12,7 @@ namespace relief::editor {
 
 using Json = nlohmann::json;
 
+// NOLINTNEXTLINE(bugprone-exception-escape): JSON is moved without exceptions
 struct Request {
     std::uint64_t id = 0;
     bool command = false;  ///< "do", which changes the surface; else "ask"

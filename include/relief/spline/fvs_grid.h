@@ -12,6 +12,7 @@
 namespace relief::spline {
 
 /// The five arrays of nodal data, as indices into `planes`.
+// NOLINTBEGIN(readability-identifier-naming): constants, not names of a type
 enum FvsPlane : int {
     kFvsF,   ///< value at a vertex
     kFvsFx,  ///< derivative along x at a vertex
@@ -19,6 +20,7 @@ enum FvsPlane : int {
     kFvsGh,  ///< derivative along y at the midpoint of a horizontal edge
     kFvsGv,  ///< derivative along x at the midpoint of a vertical edge
 };
+// NOLINTEND(readability-identifier-naming)
 inline constexpr int kFvsPlanes = 5;
 
 /// Nodal data of nx x ny cells of size a x b, not owned. F, FX, FY: (ny + 1) x (nx + 1); GH: (ny +
