@@ -52,11 +52,14 @@ bool has_no_levels(const Error& error) {
 Result<PolygonMesh> remeshed(const PolygonMesh& mesh, const std::string& path,
                              const Progress& progress, std::vector<std::string>& notices) {
     auto result = remesh::remesh(mesh, {.progress = progress});
+    // What is no scan may be a machine part.
+    if (!result.ok() && result.error().message.starts_with("tolerance_not_met"))
+        result = remesh::remesh(mesh, {.feature_degrees = kFeatures, .progress = progress});
     if (!result.ok()) {
         Error error = result.error();
         error.message =
-            "it is no subdivision of a coarser mesh, and no such mesh of its shape was "
-            "found; 'relief remesh' has options for that: " +
+            "it is no subdivision of a coarser mesh. 'relief subdivide' makes one of a control "
+            "mesh, 'relief remesh' one of nearly the same shape, but without options it failed: " +
             error.message;
         return located(std::move(error), path);
     }
