@@ -5,6 +5,7 @@
 #include "files.h"
 #include "relief/codec/mesh_codec.h"
 #include "relief/codec/polygons.h"
+#include "relief/codec/scan_codec.h"
 #include "relief/io/mesh.h"
 #include "relief/mesh/repair.h"
 
@@ -80,6 +81,17 @@ std::vector<std::string> write_mesh(const py::object& path, const PolygonMesh& m
     return take(unlocked([&] { return io::write_mesh(name, mesh, {encoding}); }));
 }
 
+py::dict mesh_report(const codec::MeshReport& reached) {
+    py::dict report = rate_report(reached);
+    report["scheme"] = multires::mesh_scheme_name(reached.scheme);
+    report["levels"] = reached.levels;
+    report["base_vertices"] = reached.base_vertices;
+    report["base_faces"] = reached.base_faces;
+    report["faces"] = reached.faces;
+    report["lost_creases"] = reached.lost_creases;
+    return report;
+}
+
 py::object encode_subdivision(const PolygonMesh& mesh, const py::object& path, const Goal& goal,
                               const std::string& scheme, int levels, const py::dict& options,
                               const py::object& progress) {
@@ -98,14 +110,32 @@ py::object encode_subdivision(const PolygonMesh& mesh, const py::object& path, c
     encode.original = original.get();
     encode.progress = call.hook();
     auto encoded = call.run([&] { return codec::encode_mesh(mesh, encode); });
-    py::dict report = rate_report(encoded.report);
-    report["scheme"] = multires::mesh_scheme_name(encoded.report.scheme);
-    report["levels"] = encoded.report.levels;
-    report["base_vertices"] = encoded.report.base_vertices;
-    report["base_faces"] = encoded.report.base_faces;
-    report["faces"] = encoded.report.faces;
-    report["lost_creases"] = encoded.report.lost_creases;
-    return py::cast(encoded_file<MeshFile>(std::move(encoded.bytes), std::move(report), path));
+    return py::cast(
+        encoded_file<MeshFile>(std::move(encoded.bytes), mesh_report(encoded.report), path));
+}
+
+/// A remesh of what is no subdivision of anything.
+py::object encode_scan(const PolygonMesh& mesh, const py::object& path, const Goal& goal,
+                       const std::string& scheme, int levels, const py::dict& options,
+                       const py::object& progress) {
+    if (!scheme.empty() && scheme != "loop") raise_argument("remeshes have the scheme 'loop'");
+    const int effort = options["effort"].cast<int>();
+    if (effort < 0 || effort > 2) raise_argument("effort is 0, 1 or 2");
+    LongCall call(progress);
+    codec::ScanEncodeOptions encode{
+        .goal = goal,
+        .base_faces = options["base_faces"].cast<std::optional<std::int64_t>>(),
+        .feature_degrees = options["features"].cast<std::optional<double>>(),
+        .tolerance = options["tolerance"].cast<std::optional<double>>(),
+        .effort = static_cast<codec::ScanEffort>(effort),
+        .lift = take(multires::lift_from_name(options["lift"].cast<std::string>())),
+        .remeshing = call.hook(),
+        .encoding = call.hook()};
+    if (levels >= 0) encode.levels = levels;
+    auto made = call.run([&] { return codec::encode_scan(mesh, encode); });
+    py::dict report = mesh_report(made.encoded.report);
+    report["remesh"] = remesh_report(made.remeshed.report);
+    return py::cast(encoded_file<MeshFile>(std::move(made.encoded.bytes), std::move(report), path));
 }
 
 py::object encode_quads(const PolygonMesh& mesh, const py::object& path, const Goal& goal,
@@ -141,6 +171,8 @@ py::object encode_triangles(const PolygonMesh& mesh, const py::object& path, con
 py::object encode_mesh(const PolygonMesh& mesh, const py::object& path, const Goal& goal,
                        const std::string& scheme, int levels, const py::dict& options,
                        const py::object& progress) {
+    if (options["remesh"].cast<bool>())
+        return encode_scan(mesh, path, goal, scheme, levels, options, progress);
     if (scheme == "powell-sabin")
         return encode_triangles(mesh, path, goal, options["over_uv"].cast<bool>(), progress);
     const bool quads =

@@ -3,6 +3,7 @@
 #include "convert.h"
 #include "relief/core/polygon_mesh.h"
 #include "relief/mesh/index.h"
+#include "relief/remesh/remesh.h"
 
 /// Meshes as arrays.
 namespace relief::python {
@@ -38,5 +39,8 @@ using Corners = std::vector<std::pair<std::int32_t, double>>;
 /// A copy as a mesh that passes relief::check.
 [[nodiscard]] PolygonMesh polygons_from(const py::object& vertices, const py::object& faces,
                                         const Creases& creases, const Corners& corners);
+
+/// What a remesh reached.
+[[nodiscard]] py::dict remesh_report(const remesh::RemeshReport& reached);
 
 }  // namespace relief::python

@@ -1,8 +1,23 @@
-#include "meshes.h"
 #include "relief/remesh/remesh.h"
+
+#include "meshes.h"
 
 /// Remeshing.
 namespace relief::python {
+
+py::dict remesh_report(const remesh::RemeshReport& reached) {
+    py::dict report;
+    report["base_faces"] = reached.base_faces;
+    report["levels"] = reached.levels;
+    report["rms_error"] = reached.rms_error;
+    report["max_error"] = reached.max_error;
+    report["worst"] = reached.worst;
+    report["flips"] = reached.flips;
+    report["quality"] = reached.quality;
+    report["diagonal"] = reached.diagonal;
+    report["attempts"] = reached.attempts;
+    return report;
+}
 
 namespace {
 
@@ -16,17 +31,7 @@ py::tuple remesh_mesh(const PolygonMesh& mesh, std::optional<std::int64_t> base_
                                         .tolerance = tolerance,
                                         .progress = call.hook()};
     auto remeshed = call.run([&] { return remesh::remesh(mesh, options); });
-    const remesh::RemeshReport& reached = remeshed.report;
-    py::dict report;
-    report["base_faces"] = reached.base_faces;
-    report["levels"] = reached.levels;
-    report["rms_error"] = reached.rms_error;
-    report["max_error"] = reached.max_error;
-    report["worst"] = reached.worst;
-    report["flips"] = reached.flips;
-    report["quality"] = reached.quality;
-    report["diagonal"] = reached.diagonal;
-    report["attempts"] = reached.attempts;
+    const py::dict report = remesh_report(remeshed.report);
     return py::make_tuple(std::make_shared<PolygonMesh>(std::move(remeshed.mesh)), report);
 }
 

@@ -43,19 +43,11 @@ void RemeshFlags::add_to(CLI::App& verb) {
                "a largest one");
 }
 
-Result<remesh::Remeshed> RemeshFlags::run(const PolygonMesh& mesh, int levels, double otherwise,
-                                          const Globals& globals) const {
-    double fraction = otherwise;
-    if (tolerance) {
-        const double diagonal = diagonal_of(mesh);
-        const bool relative = tolerance->of_diagonal || !(diagonal > 0);
-        fraction = relative ? tolerance->value : tolerance->value / diagonal;
-    }
-    return remesh::remesh(mesh, {.base_faces = base,
-                                 .levels = levels < 0 ? std::nullopt : std::optional(levels),
-                                 .feature_degrees = features,
-                                 .tolerance = fraction,
-                                 .progress = progress_bar(globals, "remeshing")});
+std::optional<double> RemeshFlags::tolerance_of(const PolygonMesh& mesh) const {
+    if (!tolerance) return {};
+    const double diagonal = diagonal_of(mesh);
+    const bool relative = tolerance->of_diagonal || !(diagonal > 0);
+    return relative ? tolerance->value : tolerance->value / diagonal;
 }
 
 Json remesh_json(const remesh::Remeshed& remeshed) {
@@ -94,9 +86,6 @@ std::string remesh_text(const remesh::Remeshed& remeshed) {
 
 namespace {
 
-/// Of the shape alone.
-constexpr double kTolerance = 2e-3;
-
 struct Remesh {
     std::string in;
     std::string out;
@@ -114,8 +103,13 @@ Result<Outcome> run(const Remesh& options, const Globals& globals) {
         repairs = repair_text(repaired.counts);
         mesh = std::move(repaired.mesh);
     }
+    remesh::RemeshOptions remeshing{.base_faces = options.flags.base,
+                                    .feature_degrees = options.flags.features,
+                                    .progress = progress_bar(globals, "remeshing")};
+    if (options.levels >= 0) remeshing.levels = options.levels;
+    if (const auto tolerance = options.flags.tolerance_of(mesh)) remeshing.tolerance = *tolerance;
     RELIEF_TRY(const remesh::Remeshed remeshed,
-               located(options.flags.run(mesh, options.levels, kTolerance, globals), options.in));
+               located(remesh::remesh(mesh, remeshing), options.in));
     RELIEF_TRY(const auto missing, io::write_mesh(options.out, remeshed.mesh));
     Outcome outcome;
     outcome.json = remesh_json(remeshed);

@@ -9,6 +9,7 @@
 #include "level_files.h"
 #include "ps_verbs.h"
 #include "quad_verbs.h"
+#include "relief/codec/scan_codec.h"
 #include "relief/io/file.h"
 #include "relief/io/file_kind.h"
 #include "relief/io/mesh.h"
@@ -63,9 +64,6 @@ struct Box {
                 high[k] = std::max(high[k], v[k]);
             }
     }
-    [[nodiscard]] double diagonal() const {
-        return std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
-    }
     [[nodiscard]] double largest_side() const {
         return std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
     }
@@ -77,26 +75,9 @@ bool set(codec::MeshMove& move, const std::vector<double>& numbers) {
     return true;
 }
 
-/// How near a remeshed surface is to be before it is coded: details that point along normals make
-/// files smaller than vertices where each extremity is.
-double tolerance_for(const codec::Goal& goal, double diagonal) {
-    constexpr double kUsual = 2e-3;
-    constexpr double kOfRms = 10;
-    constexpr double kOfMax = 0.6;
-    using Kind = codec::Goal::Kind;
-    if (!(diagonal > 0)) return kUsual;
-    if (goal.kind == Kind::RmsError) return std::max(kUsual, kOfRms * goal.value / diagonal);
-    if (goal.kind == Kind::MaxError) return kOfMax * goal.value / diagonal;
-    return 2 * kUsual;
-}
-
 constexpr FaceCount<mesh::MeshCounts> kFaces = {"faces", &mesh::MeshCounts::faces};
 
 }  // namespace
-
-double diagonal_of(const PolygonMesh& mesh) {
-    return Box(mesh).diagonal();
-}
 
 bool holds_mesh(const std::string& path) {
     return holds(path, "mesh");
@@ -147,35 +128,19 @@ struct RemeshedFile {
     codec::EncodedMesh encoded;
 };
 
-Result<RemeshedFile> encode_remesh(const PolygonMesh& mesh, const RemeshFlags& flags,
-                                   double tolerance, codec::MeshEncodeOptions options,
-                                   const Globals& globals) {
-    RELIEF_TRY(auto remeshed, flags.run(mesh, options.levels, tolerance, globals));
-    options.levels = remeshed.levels;
-    RELIEF_TRY(auto encoded, codec::encode_mesh(remeshed.mesh, options));
-    return RemeshedFile{std::move(remeshed), std::move(encoded)};
-}
-
-/// A nearer remesh leaves more of the goal to the file, and takes other bases.
-bool may_help(const Error& error) {
-    const char* const names[] = {"goal_out_of_reach", "tolerance_not_met", "flipped_faces"};
-    return std::any_of(std::begin(names), std::end(names),
-                       [&](const char* name) { return error.message.starts_with(name); });
-}
-
-/// With the tolerance that was asked for, or the usual one and smaller ones until one does.
-Result<RemeshedFile> encode_remesh(const PolygonMesh& mesh, const RemeshFlags& flags,
-                                   codec::MeshEncodeOptions options, const Globals& globals) {
-    const double usual = tolerance_for(options.goal, diagonal_of(mesh));
-    options.original = &mesh;
-    auto first = encode_remesh(mesh, flags, usual, options, globals);
-    if (first.ok() || flags.tolerance) return first;
-    for (const double share : {0.8, 0.65, 0.5}) {
-        if (!may_help(first.error())) break;
-        auto nearer = encode_remesh(mesh, flags, share * usual, options, globals);
-        if (nearer.ok()) return nearer;
-    }
-    return first;
+Result<RemeshedFile> encode_scan(const PolygonMesh& mesh, const MeshEncodeVerb& verb,
+                                 const codec::MeshEncodeOptions& options, const Globals& globals) {
+    codec::ScanEncodeOptions scan{.goal = options.goal,
+                                  .base_faces = verb.remesh->base,
+                                  .feature_degrees = verb.remesh->features,
+                                  .tolerance = verb.remesh->tolerance_of(mesh),
+                                  .effort = static_cast<codec::ScanEffort>(verb.effort),
+                                  .lift = options.lift,
+                                  .remeshing = progress_bar(globals, "remeshing"),
+                                  .encoding = options.progress};
+    if (options.levels >= 0) scan.levels = options.levels;
+    RELIEF_TRY(auto made, codec::encode_scan(mesh, scan));
+    return RemeshedFile{std::move(made.remeshed), std::move(made.encoded)};
 }
 
 }  // namespace
@@ -209,7 +174,7 @@ Result<Outcome> encode_mesh(const MeshEncodeVerb& verb, const SchemeOptions& sch
     if (verb.of_diagonal) options.goal.value *= diagonal_of(mesh);
     RemeshedFile made;
     if (verb.remesh) {
-        RELIEF_TRY(made, located(encode_remesh(mesh, *verb.remesh, options, globals), verb.in));
+        RELIEF_TRY(made, located(encode_scan(mesh, verb, options, globals), verb.in));
     } else {
         RELIEF_TRY(made.encoded, located(codec::encode_mesh(mesh, options), verb.in));
     }
@@ -362,7 +327,7 @@ Result<Outcome> compare_meshes(const std::string& path_a, const std::string& pat
              {"mean_square", json_number(mean)},
              {"psnr_db", json_number(20 * std::log10(box.largest_side() / std::sqrt(mean)))},
              {"energy_percent", nullptr},
-             {"diagonal", json_number(box.diagonal())},
+             {"diagonal", json_number(diagonal_of(a))},
              {"worst", Json{{"vertex", worst}}},
              {"faces_differ", differ}};
     outcome.text = fmt::format("{} vertices: max error {} at vertex {}; rms error {}\n",

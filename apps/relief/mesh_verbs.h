@@ -31,15 +31,11 @@ struct RemeshFlags {
     std::optional<Length> tolerance;
 
     void add_to(CLI::App& verb);
-    /// levels: -1: the library's choice. otherwise: the tolerance as a fraction of the diagonal, if
-    /// none was asked for.
-    [[nodiscard]] Result<remesh::Remeshed> run(const PolygonMesh& mesh, int levels,
-                                               double otherwise, const Globals& globals) const;
+    /// As a fraction of the diagonal, if one was asked for.
+    [[nodiscard]] std::optional<double> tolerance_of(const PolygonMesh& mesh) const;
 
     friend bool operator==(const RemeshFlags&, const RemeshFlags&) = default;
 };
-/// Of the box around the vertices.
-[[nodiscard]] double diagonal_of(const PolygonMesh& mesh);
 [[nodiscard]] Json remesh_json(const remesh::Remeshed& remeshed);
 [[nodiscard]] std::string remesh_text(const remesh::Remeshed& remeshed);
 
@@ -57,6 +53,7 @@ struct MeshEncodeVerb {
     std::string lift = {};     ///< lift_name; empty: the library's choice
     bool of_diagonal = false;  ///< the goal is in units of the diagonal of the mesh
     std::optional<RemeshFlags> remesh = {};
+    int effort = 1;  ///< codec::ScanEffort
 };
 /// Whether `encode` takes a mesh as a subdivision surface: it is asked to, or the mesh is not made
 /// of quads over the plane.

@@ -93,7 +93,8 @@ MeshEncodeVerb mesh_verb(const Encode& options, const codec::Goal& goal) {
             options.alpha,
             options.lift,
             options.of_diagonal(),
-            options.remesh ? std::optional(options.remesh_flags) : std::nullopt};
+            options.remesh ? std::optional(options.remesh_flags) : std::nullopt,
+            options.effort};
 }
 
 /// Options that say how to remesh.
@@ -228,7 +229,10 @@ void add_encode(Program& program) {
     goal->add_flag("--lossless", options->lossless, "every sample exactly (default)");
     goal->require_option(0, 1);
     verb->add_option("--effort", options->effort,
-                     "0: weighted selection, 1: and least squares (default), 2: and reselection")
+                     "rasters: 0: weighted selection, 1: and least squares (default), 2: and "
+                     "reselection. With --remesh: 0: one remesh, 1: a finer one where the goal "
+                     "needs it (default), 2: bases and levels around it too, for the smallest "
+                     "file; some ten times as long")
         ->check(CLI::Range(0, 2));
     verb->add_option(
             "--profile", options->profile,

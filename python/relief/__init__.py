@@ -125,7 +125,8 @@ def write(path, what, *, valid=None, nodata=None, transform=None, crs="", unit="
 def encode(what, path=None, *, max_error=None, rms_error=None, bytes=None, keep=None, lossless=False, scheme=None,
            order=2, levels=-1, family="compact", dual=0, map="interpolate", exact=False, profile="dense", effort=1,
            valid=None, nodata=None, transform=None, crs="", unit="", lift="chebyshev", alpha=None, surface=False,
-           original=None, keep_order=True, over_uv=False, progress=None):
+           original=None, keep_order=True, over_uv=False, remesh=False, base_faces=None, features=None, tolerance=None,
+           progress=None):
     """Encodes a raster or a mesh, and opens the file, which is in memory or at `path`. Its `report` says what was
     reached, measured on the decoded file.
 
@@ -143,7 +144,9 @@ def encode(what, path=None, *, max_error=None, rms_error=None, bytes=None, keep=
     Meshes: scheme 'loop', 'sqrt3' or 'catmull-clark' (None: what makes the smallest file), 'fvs' for quads and
     'powell-sabin' for triangles over the plane (over_uv: of texture coordinates); lift; alpha of sqrt3; surface: errors
     are distances of the surfaces, from the mesh `original` if one is given, of which this is a remesh; keep_order: of
-    vertices and faces.
+    vertices and faces. remesh: of meshes without levels, with base_faces, levels, features and tolerance as of `remesh`
+    (None: what the goal needs), errors being distances from the mesh; effort 0: one remesh, 1: a finer one where the
+    goal needs it, 2: the base and levels of the smallest file. The report then has that of the `remesh`.
 
     progress: called with the fraction done, from 0 to 1; False stops. Errors: relief.Error naming option or element.
     Source: docs/codec.md, docs/reverse-subdivision.md.
@@ -159,12 +162,15 @@ def encode(what, path=None, *, max_error=None, rms_error=None, bytes=None, keep=
     Traceback (most recent call last):
     relief.Error: the goal max-error must be a number that is not negative
     """
+    if not remesh and not (base_faces is features is tolerance is None):
+        raise ValueError("base_faces, features and tolerance are for remesh=True")
     kind = _relief.kind_of(what) if _is_path(what) else ""
     mesh = _relief.read_mesh(what) if kind == "mesh" else _mesh(what)
     goal = _goal(max_error, rms_error, bytes, keep, lossless)
     if mesh is not None:
         options = {"lift": lift, "alpha": alpha, "surface": surface, "original": _mesh(original),
-                   "keep_order": keep_order, "over_uv": over_uv}
+                   "keep_order": keep_order, "over_uv": over_uv, "remesh": remesh, "base_faces": base_faces,
+                   "features": features, "tolerance": tolerance, "effort": effort}
         return _relief.encode_mesh(mesh, path, goal, scheme or "", levels, options, progress)
     if kind == "points":
         raise ValueError(f"{what}: holds scattered points; relief.fit makes a surface of them")

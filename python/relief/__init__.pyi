@@ -244,6 +244,10 @@ def encode(
     original: _MeshLike | None = ...,
     keep_order: bool = ...,
     over_uv: bool = ...,
+    remesh: bool = ...,
+    base_faces: int | None = ...,
+    features: float | None = ...,
+    tolerance: float | None = ...,
     progress: _Progress = ...,
 ) -> Any: ...
 def merge(shards: Iterable[_Path | _Buffer], path: _Path | None = ...) -> RasterFile: ...

@@ -421,7 +421,7 @@ class Encoder {
     [[nodiscard]] bool has_creases_of_tags() const {
         if (mesh_.creases.empty() && mesh_.sharp_vertices.empty()) return false;
         PolygonMesh marked;
-        add_creases(hierarchy(), levels(), marked);
+        add_creases(hierarchy(), levels(), source_.tags.corner, marked);
         const auto& order = source_.order.vertices;
         for (std::size_t v = 0; v < order.size(); ++v)
             if (order[v] != v) return false;
@@ -473,7 +473,7 @@ class Encoder {
 };
 
 /// Creases in the order of the transform, if they are the same.
-void order_creases(const multires::MeshHierarchy& hierarchy, int levels, PolygonMesh& mesh) {
+void order_creases(const MeshSource& source, PolygonMesh& mesh) {
     const auto sorted = [](const PolygonMesh& of) {
         std::vector<std::pair<std::pair<int, int>, double>> creases;
         for (const CreaseEdge& crease : of.creases)
@@ -484,7 +484,7 @@ void order_creases(const multires::MeshHierarchy& hierarchy, int levels, Polygon
         return creases;
     };
     PolygonMesh marked;
-    add_creases(hierarchy, levels, marked);
+    add_creases(source.hierarchy(), source.header.levels, source.tags.corner, marked);
     if (sorted(marked) != sorted(mesh)) return;
     mesh.creases = std::move(marked.creases);
     mesh.sharp_vertices = std::move(marked.sharp_vertices);
@@ -496,7 +496,7 @@ Result<EncodedMesh> encode_as(const PolygonMesh& mesh, multires::MeshScheme sche
     if (options.keep_order) return Encoder(mesh, options, std::move(source)).run();
     PolygonMesh ordered = reordered(mesh, source.order, source.sides);
     source.order = same_order(source.hierarchy().topology(source.header.levels));
-    order_creases(source.hierarchy(), source.header.levels, ordered);
+    order_creases(source, ordered);
     return Encoder(ordered, options, std::move(source)).run();
 }
 

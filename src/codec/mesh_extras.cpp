@@ -305,15 +305,16 @@ Status read_labels(std::span<const std::uint8_t> bytes, const MeshOrder& order, 
     });
 }
 
-void add_creases(const multires::MeshHierarchy& hierarchy, int depth, PolygonMesh& mesh) {
+void add_creases(const multires::MeshHierarchy& hierarchy, int depth,
+                 std::span<const std::uint8_t> corners, PolygonMesh& mesh) {
     const mesh::Topology& topology = hierarchy.topology(depth);
     const multires::MeshTags& tags = hierarchy.tags(depth);
     for (mesh::Index h = 0; !tags.sharp.empty() && h < topology.half_edge_count(); ++h)
         if (topology.is_first(h) && !topology.on_boundary(h) && tags.sharp[topology.edge[h]])
             mesh.creases.push_back({static_cast<std::int32_t>(topology.origin[h]),
                                     static_cast<std::int32_t>(topology.target(h)), HUGE_VAL});
-    for (std::size_t v = 0; v < tags.corner.size(); ++v)
-        if (tags.corner[v]) mesh.sharp_vertices.push_back({static_cast<std::int32_t>(v), HUGE_VAL});
+    for (std::size_t v = 0; v < corners.size(); ++v)
+        if (corners[v]) mesh.sharp_vertices.push_back({static_cast<std::int32_t>(v), HUGE_VAL});
 }
 
 Bytes write_creases(const PolygonMesh& mesh) {

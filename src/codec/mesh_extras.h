@@ -41,10 +41,12 @@ namespace relief::codec {
                                  mesh::Index sides, std::vector<FaceLabels>& labels);
 
 [[nodiscard]] Bytes write_creases(const PolygonMesh& mesh);
-/// All of the chunk of creases where they are those of the transform, in the order of its edges.
+/// All of the chunk of creases where they come from the base's tags, in the order of its edges.
 inline constexpr std::uint8_t kCreasesOfTags = 0;
-/// What is sharp for ever at a depth, in the numbers of the hierarchy.
-void add_creases(const multires::MeshHierarchy& hierarchy, int depth, PolygonMesh& mesh);
+/// What is sharp for ever at a depth, in the numbers of the hierarchy. corners: [vertex] 1 for
+/// sharp ones; shorter than the vertices: none of the others.
+void add_creases(const multires::MeshHierarchy& hierarchy, int depth,
+                 std::span<const std::uint8_t> corners, PolygonMesh& mesh);
 /// Errors: BadFile.
 [[nodiscard]] Status read_creases(std::span<const std::uint8_t> bytes, PolygonMesh& mesh);
 

@@ -218,7 +218,7 @@ Result<PolygonMesh> MeshFile::State::finest(const MeshSynthesis& synthesis) cons
     RELIEF_CHECK(read_named(synthesis.hierarchy(), order, result));
     RELIEF_TRY(const Bytes creases, container.chunk(numbers().creases()));
     if (creases == Bytes{kCreasesOfTags})
-        add_creases(synthesis.hierarchy(), header.levels, result);
+        add_creases(synthesis.hierarchy(), header.levels, tags.corner, result);
     else
         RELIEF_CHECK(read_creases(creases, result));
     if (const Status checked = relief::check(result); !checked.ok())
@@ -245,7 +245,7 @@ Result<PolygonMesh> MeshFile::State::coarser(const MeshSynthesis& synthesis, int
     RELIEF_CHECK(set_points(places, {}, result));
     const mesh::Topology& mesh = synthesis.hierarchy().topology(at);
     add_faces(mesh::faces_of(mesh), result);
-    add_creases(synthesis.hierarchy(), at, result);
+    add_creases(synthesis.hierarchy(), at, synthesis.hierarchy().tags(at).corner, result);
     if (!knows_names()) return result;
     const MeshHierarchy& hierarchy = synthesis.hierarchy();
     RELIEF_TRY(const Bytes order_chunk, container.chunk(numbers().order()));

@@ -167,4 +167,16 @@ Status check(const PolygonMesh& mesh) {
     return check_creases(mesh);
 }
 
+double diagonal_of(const PolygonMesh& mesh) {
+    if (mesh.vertices.empty()) return 0;
+    std::array<double, 3> sides{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        const auto [least, most] =
+            std::minmax_element(mesh.vertices.begin(), mesh.vertices.end(),
+                                [k](const auto& a, const auto& b) { return a[k] < b[k]; });
+        sides[k] = (*most)[k] - (*least)[k];
+    }
+    return std::hypot(sides[0], sides[1], sides[2]);
+}
+
 }  // namespace relief

@@ -22,7 +22,9 @@ using Point = Vec3<double>;
 /// cosine.
 constexpr double kLeastTurn = 0.3;
 /// Quality of triangles: 1 if equilateral, 0 if flat.
-constexpr double kLeastQuality = 0.05;
+/// First none is worse than the first limit; if no vertex is left to collapse so, as on slabs with
+/// holes, than the next one.
+constexpr std::array<double, 3> kLeastQualities = {0.05, 0.01, 0.002};
 constexpr double kPoorQuality = 0.2;
 constexpr double kPoorFactor = 3;
 constexpr double kGoodQuality = 0.5;
@@ -93,7 +95,18 @@ class Simplification::Collapser {
     }
 
     void run() {
-        for (Index v = 0; v < points_.size(); ++v) offer(v);
+        for (const double limit : kLeastQualities) {
+            if (left_ <= options_.faces) break;
+            least_quality_ = limit;
+            collapse_cheapest();
+        }
+        finish();
+    }
+
+  private:
+    void collapse_cheapest() {
+        for (Index v = 0; v < points_.size(); ++v)
+            if (mesh_.out[v] != kNone) offer(v);
         while (left_ > options_.faces && !queue_.empty()) {
             const Candidate next = queue_.top();
             queue_.pop();
@@ -105,10 +118,8 @@ class Simplification::Collapser {
             else
                 take(now);
         }
-        finish();
     }
 
-  private:
     void add_quadrics(const Surface& surface) {
         for (Index f = 0; f < surface.mesh.face_count; ++f) {
             const Point& normal = surface.face_normals[f];
@@ -144,7 +155,7 @@ class Simplification::Collapser {
                                     std::max(quadrics_[v].weight() + quadrics_[w].weight(), 1e-300);
             if (distance >= best.cost || !allowed(i)) continue;
             const double quality = quality_after(i);
-            if (quality < kLeastQuality) continue;
+            if (quality < least_quality_) continue;
             const double flatness = 0.02 + 0.5 * std::max(0.0, kGoodQuality - quality);
             double cost = distance + options_.shape * square(points_[w] - points_[v]) * flatness;
             if (quality < kPoorQuality) cost *= kPoorFactor;
@@ -344,6 +355,7 @@ class Simplification::Collapser {
     std::vector<std::uint32_t> marks_;
     std::uint32_t mark_ = 0;
     Index left_;  ///< faces
+    double least_quality_ = kLeastQualities.front();
     std::vector<Index> gone_;
     std::priority_queue<Candidate> queue_;
     const SimplifyOptions& options_;

@@ -138,10 +138,15 @@ class Remesh(Meshes):
         if not os.path.exists(path):
             self.skipTest("the scan is not there")
         out = self.path("bull.relief")
-        self.refuse(1, "encode", path, out, "--remesh", "--rms-error", "3e-4d", "--tolerance", "3e-3d",
-                    says="goal_out_of_reach")
-        report = self.json("encode", path, out, "--remesh", "--rms-error", "3e-4d")
-        self.assertLessEqual(report["rms_error"], 3e-4 * report["remesh"]["diagonal"])
+        goal = ("encode", path, out, "--remesh", "--rms-error", "3e-4d")
+        self.refuse(1, *goal, "--tolerance", "3e-3d", "--effort", 0, says="goal_out_of_reach")
+        sizes = []
+        for effort in (0, 1):
+            report = self.json(*goal, "--effort", effort)
+            self.assertLessEqual(report["rms_error"], 3e-4 * report["remesh"]["diagonal"])
+            sizes.append(report["bytes"])
+        # A finer remesh leaves more of the goal to the file.
+        self.assertLess(sizes[1], 0.9 * sizes[0])
 
     def test_any_number_of_threads_gives_the_same_bytes(self):
         files = []

@@ -6,6 +6,7 @@
 #include "../fuzz/meshes.h"
 #include "relief/codec/mesh_codec.h"
 #include "relief/mesh/closest.h"
+#include "relief/multires/polygon_subdivision.h"
 #include "relief/multires/subdivide.h"
 #include "shapes.h"
 #include "support.h"
@@ -307,6 +308,30 @@ TEST(MeshFile, AttributesLabelsAndCreasesStay) {
             EXPECT_EQ(decoded.creases, mesh.creases);
             EXPECT_EQ(decoded.sharp_vertices, mesh.sharp_vertices);
         }
+    }
+}
+
+/// Corners of the boundary that stay without being marked are not among those that are.
+TEST(MeshFile, MarkedCornersTakeNoSpaceBesideOthers) {
+    PolygonMesh base = polygons(test::grid(6, 6, true).faces, {});
+    test::Noise random(3);
+    for (const auto& p : test::grid(6, 6, true).points)
+        base.vertices.push_back({p[0], p[1], 0.3 * random()});
+    for (const int v : {1, 3, 5}) base.sharp_vertices.push_back({v, HUGE_VAL});
+    PolygonMesh mesh = *multires::subdivide(base, multires::MeshSpec{MeshScheme::Loop},
+                                            {.steps = 2, .boundary_corners = true});
+    mesh.sharp_vertices = base.sharp_vertices;
+    for (const bool keep : {true, false}) {
+        const auto encoded =
+            encode_mesh(mesh, {.goal = {Kind::MaxError, 1e-3}, .levels = 2, .keep_order = keep});
+        ASSERT_TRUE(encoded.ok()) << encoded.error().text();
+        const MeshFile file = *MeshFile::open(encoded->bytes);
+        // Nothing but the base has details: the corners are where they were.
+        EXPECT_EQ(encoded->report.kept, encoded->report.base_vertices);
+        EXPECT_EQ(file.chunks().back().kind, "creases");
+        EXPECT_EQ(file.chunks().back().bytes, 1U);
+        EXPECT_EQ(file.decode(0)->sharp_vertices.size(), mesh.sharp_vertices.size());
+        EXPECT_GT(file.decode(1)->sharp_vertices.size(), mesh.sharp_vertices.size());
     }
 }
 

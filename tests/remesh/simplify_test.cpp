@@ -129,6 +129,21 @@ TEST(Simplify, MapsAcrossFacesWithoutArea) {
         EXPECT_NEAR(place.weights[0] + place.weights[1] + place.weights[2], 1, 1e-12);
 }
 
+/// Between many holes all that is left is thin.
+TEST(Simplify, TakesThinTrianglesBeforeItStops) {
+    std::set<test::Cell> cells;
+    for (int x = 0; x < 41; ++x)
+        for (int y = 0; y < 41; ++y)
+            if (x % 10 != 5 || y % 10 != 5) cells.insert({x, y, 0});
+    Shape slab = test::triangulated(test::voxels(cells));
+    for (auto& p : slab.points) p[2] *= 0.2;
+    const Surface surface = test::surface_of(slab);
+    const Simplification simple(surface, {.faces = 260});
+    EXPECT_LE(simple.faces().size(), 260U);
+    EXPECT_EQ(mesh::euler_characteristic(base_of(simple)),
+              mesh::euler_characteristic(surface.mesh));
+}
+
 TEST(Simplify, KeepsASphereRound) {
     const Surface surface = test::surface_of(test::bumpy_sphere(5, 0));
     const Simplification simple(surface, {.faces = 100});

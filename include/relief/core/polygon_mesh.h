@@ -109,4 +109,7 @@ struct PolygonMesh {
 /// O(size).
 [[nodiscard]] Status check(const PolygonMesh& mesh);
 
+/// The length of the diagonal of the box around the vertices; 0 without any.
+[[nodiscard]] double diagonal_of(const PolygonMesh& mesh);
+
 }  // namespace relief
