@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "contest.h"
-#include "diagonal.h"
 #include "draco_peer.h"
 #include "mesh_shapes.h"
 #include "relief/codec/mesh_codec.h"

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "contest.h"
-#include "diagonal.h"
 #include "draco_peer.h"
 #include "relief/codec/mesh_codec.h"
 #include "relief/io/file.h"
