@@ -32,7 +32,8 @@ void RemeshFlags::add_to(CLI::App& verb) {
     verb.add_option(
             "--base", base,
             "remeshing: faces of the base mesh, about; default: such that the result has as "
-            "many faces as IN. More if the tolerance is not met otherwise")
+            "many faces as IN, or as an RMS goal needs. More if the tolerance is not met "
+            "otherwise")
         ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 31));
     verb.add_option("--features", features,
                     "remeshing: edges that turn by more than so many degrees stay sharp; 40 for "
