@@ -1,6 +1,5 @@
-#include "relief/remesh/remesh.h"
-
 #include "meshes.h"
+#include "relief/remesh/remesh.h"
 
 /// Remeshing.
 namespace relief::python {

@@ -34,10 +34,10 @@ constexpr double kStride = 1.6;
 constexpr double kShortStride = 1.25;
 constexpr double kLeastBase = 8;
 
-/// A base and how often it is subdivided.
+/// Faces of a base and how often it is subdivided; none: what remesh takes.
 struct Sizes {
-    double base = 0;
-    int levels = 0;
+    std::optional<std::int64_t> base;
+    std::optional<int> levels;
 };
 
 /// The same for other bases and tolerances.
@@ -51,10 +51,10 @@ bool may_help(const Error& error) {
 class ScanEncoder {
   public:
     ScanEncoder(const PolygonMesh& mesh, const ScanEncodeOptions& options)
-        : mesh_(mesh), options_(options), diagonal_(diagonal_of(mesh)) {
-        if (options.base_faces) asked_.base = static_cast<double>(*options.base_faces);
-        asked_.levels = options.levels.value_or(-1);
-    }
+        : mesh_(mesh),
+          options_(options),
+          diagonal_(diagonal_of(mesh)),
+          asked_{options.base_faces, options.levels} {}
 
     Result<EncodedScan> run() {
         auto first = suited();
@@ -62,9 +62,10 @@ class ScanEncoder {
             for (const double share : kNearer) {
                 if (!may_help(first.error())) break;
                 auto nearer = encoded(remeshed(asked_, share * usual_tolerance()));
-                if (!nearer.ok()) continue;
-                first = std::move(nearer);
-                break;
+                if (nearer.ok() || !may_help(nearer.error())) {
+                    first = std::move(nearer);
+                    break;
+                }
             }
         }
         if (!first.ok() || options_.effort != ScanEffort::Smallest || is_sized()) return first;
@@ -85,12 +86,11 @@ class ScanEncoder {
     }
 
     [[nodiscard]] Result<remesh::Remeshed> remeshed(const Sizes& sizes, double tolerance) const {
-        remesh::RemeshOptions options{.feature_degrees = options_.feature_degrees,
+        return remesh::remesh(mesh_, {.base_faces = sizes.base,
+                                      .levels = sizes.levels,
+                                      .feature_degrees = options_.feature_degrees,
                                       .tolerance = tolerance,
-                                      .progress = options_.remeshing};
-        if (sizes.base > 0) options.base_faces = static_cast<std::int64_t>(sizes.base);
-        if (sizes.levels >= 0) options.levels = sizes.levels;
-        return remesh::remesh(mesh_, options);
+                                      .progress = options_.remeshing});
     }
 
     [[nodiscard]] Result<EncodedScan> encoded(Result<remesh::Remeshed> made) const {
@@ -123,10 +123,10 @@ class ScanEncoder {
 
     static Sizes finer_sizes(const remesh::Remeshed& made, double share) {
         const double finer = std::min(share / kBestPart, kMostFiner);
-        Sizes sizes{finer * static_cast<double>(made.report.base_faces), made.levels};
-        for (; sizes.levels < kEnoughLevels && sizes.base > kLargeBase; ++sizes.levels)
-            sizes.base /= 4;
-        return sizes;
+        double base = finer * static_cast<double>(made.report.base_faces);
+        int levels = made.levels;
+        for (; levels < kEnoughLevels && base > kLargeBase; ++levels) base /= 4;
+        return {static_cast<std::int64_t>(base), levels};
     }
 
     [[nodiscard]] bool is_better(const EncodedMesh& file) const {
@@ -137,24 +137,21 @@ class ScanEncoder {
     }
 
     /// True: it is the best so far. Bases that can not be made are passed over.
-    Result<bool> improves(const Sizes& sizes) {
-        if (sizes.base < kLeastBase || sizes.levels < 1 || sizes.levels > kMostLevels) return false;
-        auto made = encoded(remeshed(sizes, usual_tolerance()));
+    Result<bool> improves(double base, int levels) {
+        if (base < kLeastBase || levels < 1 || levels > kMostLevels) return false;
+        auto made = encoded(remeshed({static_cast<std::int64_t>(base), levels}, usual_tolerance()));
         if (!made.ok() && !may_help(made.error())) return made.error();
         if (!made.ok() || !is_better(made->encoded)) return false;
         best_ = *std::move(made);
         return true;
     }
 
-    [[nodiscard]] Sizes best_sizes() const {
-        return {static_cast<double>(best_->remeshed.report.base_faces), best_->remeshed.levels};
-    }
-
     /// Going one way as long as it helps. True: it did.
     Result<bool> climb(double factor, int more_levels) {
         for (bool moved = false;; moved = true) {
-            const Sizes at = best_sizes();
-            RELIEF_TRY(const bool better, improves({factor * at.base, at.levels + more_levels}));
+            const double base = static_cast<double>(best_->remeshed.report.base_faces);
+            RELIEF_TRY(const bool better,
+                       improves(factor * base, best_->remeshed.levels + more_levels));
             if (!better) return moved;
         }
     }
@@ -175,7 +172,7 @@ class ScanEncoder {
     const PolygonMesh& mesh_;
     const ScanEncodeOptions& options_;
     double diagonal_;
-    Sizes asked_;  ///< 0 and -1: nothing
+    Sizes asked_;
     std::optional<EncodedScan> best_;
 };
 

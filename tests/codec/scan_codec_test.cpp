@@ -87,6 +87,10 @@ TEST(ScanCodec, RefusesWhatCanNotBe) {
     EXPECT_EQ(refused({.goal = {Kind::RmsError, -1}}).code, ErrorCode::InvalidArgument);
     EXPECT_EQ(refused({.goal = {Kind::RmsError, 0.1}, .levels = 13}).code,
               ErrorCode::InvalidArgument);
+    EXPECT_EQ(refused({.goal = {Kind::RmsError, 0.1}, .levels = -1}).code,
+              ErrorCode::InvalidArgument);
+    EXPECT_EQ(refused({.goal = {Kind::RmsError, 0.1}, .base_faces = 0}).code,
+              ErrorCode::InvalidArgument);
     EXPECT_TRUE(
         refused({.goal = {Kind::RmsError, 1e-9}, .tolerance = 0.05, .effort = ScanEffort::Once})
             .message.starts_with("goal_out_of_reach"));

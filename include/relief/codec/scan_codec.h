@@ -42,7 +42,7 @@ struct EncodedScan {
 };
 
 /// Errors: those of remesh::remesh and encode_mesh, after nearer remeshes were tried.
-/// InvalidArgument for the goal lossless. Complexity: that of both for one remesh, at most six to
+/// InvalidArgument for the goal lossless. Complexity: that of both for one remesh, at most five to
 /// get near enough, some ten for the smallest file.
 [[nodiscard]] Result<EncodedScan> encode_scan(const PolygonMesh& mesh,
                                               const ScanEncodeOptions& options);
