@@ -285,7 +285,7 @@ class Simplification::Collapser {
     bool flatten(std::size_t target) {
         const double exponent = find_directions();
         const int eighths =
-            std::clamp(static_cast<int>(8 * exponent + 0.5), kExponents[0], kExponents[1]);
+            std::clamp(static_cast<int>(std::lround(8 * exponent)), kExponents[0], kExponents[1]);
         const Point& v = points_[fan_.vertex];
         double largest = 0;
         for (const Index u : fan_.ring) largest = std::max(largest, length(points_[u] - v));
