@@ -28,11 +28,9 @@ constexpr double kMostFiner = 8;
 /// Bases of as many faces are better split into a coarser one, unless there are levels enough.
 constexpr double kLargeBase = 800;
 constexpr int kEnoughLevels = 3;
-constexpr int kMostLevels = 12;
 /// How a search for the smallest file goes on.
 constexpr double kStride = 1.6;
 constexpr double kShortStride = 1.25;
-constexpr double kLeastBase = 8;
 
 /// Faces of a base and how often it is subdivided; none: what remesh takes.
 struct Sizes {
@@ -136,11 +134,10 @@ class ScanEncoder {
         return file.bytes.size() < best.bytes.size();
     }
 
-    /// True: it is the best so far. Bases that can not be made are passed over.
+    /// True: it is the best so far. Sizes that can not be made are passed over.
     Result<bool> improves(double base, int levels) {
-        if (base < kLeastBase || levels < 1 || levels > kMostLevels) return false;
         auto made = encoded(remeshed({static_cast<std::int64_t>(base), levels}, usual_tolerance()));
-        if (!made.ok() && !may_help(made.error())) return made.error();
+        if (!made.ok() && made.error().code == ErrorCode::Cancelled) return made.error();
         if (!made.ok() || !is_better(made->encoded)) return false;
         best_ = *std::move(made);
         return true;

@@ -1,5 +1,7 @@
 #include "relief/codec/scan_codec.h"
 
+#include <utility>
+
 #include "../remesh/meshes.h"
 #include "relief/mesh/closest.h"
 #include "support.h"
@@ -98,6 +100,14 @@ TEST(ScanCodec, RefusesWhatCanNotBe) {
     EXPECT_EQ(refused({.goal = {Kind::RmsError, 0.1}, .remeshing = stop}).code,
               ErrorCode::Cancelled);
     EXPECT_EQ(refused({.goal = {Kind::RmsError, 0.1}, .encoding = stop}).code,
+              ErrorCode::Cancelled);
+    // In the middle of a search.
+    bool has_one = false;
+    const Progress stop_later = [&](double done) { return !std::exchange(has_one, done == 1); };
+    EXPECT_EQ(refused({.goal = {Kind::RmsError, 0.1},
+                       .effort = ScanEffort::Smallest,
+                       .remeshing = stop_later})
+                  .code,
               ErrorCode::Cancelled);
     EXPECT_EQ(encode_scan({}, {.goal = {Kind::RmsError, 0.1}}).error().code, ErrorCode::BadInput);
 }
